@@ -1,0 +1,1 @@
+"""Unoriented points of a CAD part in, a clean watertight mesh out."""

@@ -1,0 +1,78 @@
+"""What a term may know of a field at a point: value, gradient and the tangent block of its Hessian.
+
+Symbols, used in every file of `calculus` and `terms`: f the field, g = ∇f, H its Hessian, n = g/‖g‖,
+(u, v) an orthonormal frame of the tangent plane, all in the unit frame. The frame is a constant for the
+optimiser: no cotangent flows through n, u, v (method §2).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+VALUE, GRADIENT, TANGENT = 0, 1, 2
+"""Orders of a jet: value alone; and gradient; and the tangent block uᵀHu, uᵀHv, vᵀHv."""
+
+
+@dataclass(frozen=True)
+class Jet:
+    """Derivatives of a field at n points; what was not asked for is None.
+
+    value: f, unit lengths. gradient: ∇f, no unit. uu, uv, vv: uᵀHu, uᵀHv, vᵀHv, one over unit length.
+    """
+
+    value: Float[Tensor, " n"]
+    gradient: Float[Tensor, "n 3"] | None = None
+    uu: Float[Tensor, " n"] | None = None
+    uv: Float[Tensor, " n"] | None = None
+    vv: Float[Tensor, " n"] | None = None
+
+    @property
+    def slope(self) -> Float[Tensor, "n 3"]:
+        """The gradient, where it is known to have been asked for."""
+        if self.gradient is None:
+            raise ValueError("this jet was evaluated without its gradient; ask for order GRADIENT or above")
+        return self.gradient
+
+    @property
+    def shape_operator(self) -> tuple[Float[Tensor, " n"], Float[Tensor, " n"], Float[Tensor, " n"]]:
+        """S₁₁, S₁₂, S₂₂ of S = (u v)ᵀ H (u v) / ‖∇f‖, the Weingarten map in the frame (method §2–3)."""
+        if self.uu is None or self.uv is None or self.vv is None:
+            raise ValueError("this jet was evaluated without its tangent block; ask for order TANGENT")
+        norm = self.slope.norm(dim=-1).clamp_min(SMALLEST_NORM)
+        return self.uu / norm, self.uv / norm, self.vv / norm
+
+
+SMALLEST_NORM = 1e-12
+"""Guard of every division by ‖∇f‖: a critical point of the field gives a large residual, never a NaN."""
+
+
+class Calculus(Protocol):
+    """A way of differentiating a field: analytic, by autograd, or by finite differences."""
+
+    def __call__(
+        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
+    ) -> Jet:
+        """The jet of `order` at `points`; `angles` turn the tangent frames, radians (order TANGENT)."""
+        ...
+
+
+def tangent_frame(
+    gradient: Float[Tensor, "n 3"], angles: Float[Tensor, " n"]
+) -> tuple[Float[Tensor, "n 3"], Float[Tensor, "n 3"]]:
+    """Orthonormal (u, v) ⟂ gradient, turned by `angles` about it; detached from the graph.
+
+    The frame at angle 0 is that of Duff et al. 2017, "Building an Orthonormal Basis, Revisited", eq. 4.
+    """
+    with torch.no_grad():
+        n = gradient / gradient.norm(dim=-1, keepdim=True).clamp_min(SMALLEST_NORM)
+        x, y, z = n.unbind(-1)
+        sign = torch.where(z < 0, -1.0, 1.0).to(n)
+        a = -1.0 / (sign + z)
+        b = x * y * a
+        e1 = torch.stack([1.0 + sign * x * x * a, sign * b, -sign * x], dim=-1)
+        e2 = torch.stack([b, sign + y * y * a, -y], dim=-1)
+        cos, sin = angles.cos().unsqueeze(-1), angles.sin().unsqueeze(-1)
+        return cos * e1 + sin * e2, cos * e2 - sin * e1

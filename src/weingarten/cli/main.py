@@ -1,0 +1,56 @@
+"""Entry point: parse, hand to the verb, turn the user's errors into one sentence and exit code 2.
+
+Nothing heavy is imported before a verb runs, so that `weingarten --help` answers at once.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from weingarten.cli import doctor, evaluate, fit, mesh, sample
+from weingarten.errors import WeingartenError
+
+VERBS = (fit, mesh, sample, evaluate, doctor)
+
+
+class Formatter(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
+    """Defaults after every option, examples left as written."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=28, width=100)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line: one level of subcommands."""
+    root = argparse.ArgumentParser(
+        prog="weingarten",
+        description="Unoriented points of a CAD part in, a clean watertight mesh out.",
+        epilog="Start with:  weingarten fit scan.ply -o part.stl",
+    )
+    root.add_argument("--version", action="store_true", help="print the version and leave")
+    verbs = root.add_subparsers(title="verbs", metavar="VERB", dest="verb")
+    for verb in VERBS:
+        verb.add(verbs, Formatter)
+    return root
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns the exit code (0 done, 2 the user's error, 130 interrupted)."""
+    root = parser()
+    arguments = root.parse_args(argv)
+    if arguments.version:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"weingarten {version('weingarten')}\n")
+        return 0
+    if arguments.verb is None:
+        root.print_help()
+        return 0
+    try:
+        return arguments.run(arguments)
+    except WeingartenError as error:
+        sys.stderr.write(f"weingarten {arguments.verb}: {error}\n")
+        return 2
+    except KeyboardInterrupt:
+        sys.stderr.write(f"weingarten {arguments.verb}: interrupted.\n")
+        return 130

@@ -1,0 +1,51 @@
+"""One gate for every file that comes in: whatever a malformed file causes leaves as one InputError."""
+
+import warnings
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from weingarten.errors import InputError, WeingartenError
+
+
+def check_readable(path: Path, known: Collection[str]) -> None:
+    """Raise InputError unless `path` is a file that is not empty and whose extension is among `known`."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file in it.")
+    if not path.exists():
+        raise InputError(f"{path} does not exist; check the name.")
+    if path.suffix.lower() not in known:
+        raise InputError(f"{path} has an unknown extension; known are {' '.join(sorted(known))}.")
+    if path.is_file() and path.stat().st_size == 0:
+        raise InputError(f"{path} is empty; export it again.")
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Run a reader: its warnings are silenced, and any exception becomes an InputError naming `path`.
+
+    The parsers below, trimesh's among them, meet arbitrary bytes and raise nearly anything: ValueError,
+    KeyError, struct.error, BadZipFile, RecursionError. All of them mean the same to the user.
+    """
+    kind = path.suffix.lower().removeprefix(".").upper()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except WeingartenError:
+        raise
+    except MemoryError as error:
+        raise InputError(f"{path} does not fit into memory; thin it out first.") from error
+    except OSError as error:
+        raise InputError(f"{path} cannot be read ({_reason(error)}); check the file.") from error
+    except Exception as error:
+        raise InputError(
+            f"{path} cannot be read as {kind} ({_reason(error)}); export it again or check its extension."
+        ) from error
+
+
+def _reason(error: Exception) -> str:
+    """What an exception says, on one line, without its full stop and at most 160 characters long."""
+    text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    line = " ".join(text.split()).rstrip(".")
+    return (line if len(line) <= 160 else line[:157] + "...") or type(error).__name__

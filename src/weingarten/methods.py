@@ -1,0 +1,89 @@
+"""Every method is a row: which terms, under which schedules, differentiated how, and where it comes from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from torch import nn
+
+from weingarten.calculus.analytic import Analytic
+from weingarten.calculus.autodiff import Autodiff
+from weingarten.calculus.finite_difference import FiniteDifference
+from weingarten.calculus.jet import Calculus
+from weingarten.errors import OptionError
+from weingarten.fields.siren import Siren
+from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
+from weingarten.terms.dirichlet import DIRICHLET
+from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
+from weingarten.terms.free_space import FREE_SPACE
+from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN
+from weingarten.terms.off_surface import OFF_SURFACE_TERM
+from weingarten.terms.term import Term
+
+
+def exact(field: nn.Module) -> Calculus:
+    """Analytic jets of a SIREN, autograd's of any other module."""
+    return Analytic(field) if isinstance(field, Siren) else Autodiff(field)
+
+
+def finite_difference(field: nn.Module) -> Calculus:
+    """Tangent blocks by the six-point stencil at the authors' h = 0.05; values and gradients exact."""
+    return FiniteDifference(exact(field), step=0.05)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A loss Σ weight(t) · mean residual, and the calculus that feeds its terms.
+
+    scheduled: the term whose weight `--schedule` and `--knots` set.
+    """
+
+    name: str
+    terms: dict[Term, Schedule]
+    calculus: Callable[[nn.Module], Calculus]
+    source: str
+    scheduled: Term = OFF_DIAGONAL_WEINGARTEN
+
+    def with_schedule(self, schedule: Schedule) -> "Method":
+        """The same method with another weight of its scheduled term."""
+        return replace(self, terms={**self.terms, self.scheduled: schedule})
+
+    def named_schedule(self, name: str) -> Schedule:
+        """The paper's schedule of that name, scaled so that its greatest weight is this method's."""
+        if name not in SCHEDULES:
+            raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
+        schedule = SCHEDULES[name]
+        greatest = max(weight for _, weight in self.terms[self.scheduled].knots)
+        scale = greatest / max(weight for _, weight in schedule.knots)
+        return Schedule(schedule.shape, tuple((time, scale * weight) for time, weight in schedule.knots))
+
+
+PAPER_TERMS = {
+    DIRICHLET: constant(7000.0),
+    OFF_SURFACE_TERM: constant(600.0),
+    EIKONAL: constant(50.0),
+    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"],
+}
+RECIPE_TERMS = {
+    DIRICHLET: constant(7000.0),
+    OFF_SURFACE_TERM: constant(100.0),
+    FREE_SPACE: constant(1000.0),
+    EIKONAL_ABSOLUTE: constant(50.0),
+    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"],
+}
+
+METHODS = {
+    method.name: method
+    for method in (
+        Method("odw", RECIPE_TERMS, exact, "arXiv 2511.03147 with signs from free space"),
+        Method("odw-fd", RECIPE_TERMS, finite_difference, "arXiv 2506.16627 (FlatCAD-FD), signs from free space"),
+        Method("odw-paper", PAPER_TERMS, exact, "arXiv 2511.03147, to the letter"),
+        Method("odw-paper-fd", PAPER_TERMS, finite_difference, "arXiv 2511.03147 by finite differences"),
+    )
+}
+
+
+def method_named(name: str) -> Method:
+    """A row of METHODS; OptionError lists what there is."""
+    if name not in METHODS:
+        raise OptionError(f"There is no method {name!r}; choose one of {', '.join(METHODS)}.")
+    return METHODS[name]
