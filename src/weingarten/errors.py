@@ -38,3 +38,7 @@ class MissingExtraError(WeingartenError):
 
 class ExtractionError(WeingartenError):
     """The field has no zero crossing where a surface was looked for."""
+
+
+class FitError(WeingartenError):
+    """The optimisation left the realm of numbers."""

@@ -51,10 +51,7 @@ class Method:
         """The paper's schedule of that name, scaled so that its greatest weight is this method's."""
         if name not in SCHEDULES:
             raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
-        schedule = SCHEDULES[name]
-        greatest = max(weight for _, weight in self.terms[self.scheduled].knots)
-        scale = greatest / max(weight for _, weight in schedule.knots)
-        return Schedule(schedule.shape, tuple((time, scale * weight) for time, weight in schedule.knots))
+        return SCHEDULES[name].scaled(self.terms[self.scheduled].greatest / SCHEDULES[name].greatest)
 
 
 PAPER_TERMS = {
@@ -68,14 +65,16 @@ RECIPE_TERMS = {
     OFF_SURFACE_TERM: constant(100.0),
     FREE_SPACE: constant(1000.0),
     EIKONAL_ABSOLUTE: constant(50.0),
-    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"],
+    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"].scaled(0.3),
 }
 
 METHODS = {
     method.name: method
     for method in (
         Method("odw", RECIPE_TERMS, exact, "arXiv 2511.03147 with signs from free space"),
-        Method("odw-fd", RECIPE_TERMS, finite_difference, "arXiv 2506.16627 (FlatCAD-FD), signs from free space"),
+        Method(
+            "odw-fd", RECIPE_TERMS, finite_difference, "arXiv 2506.16627 (FlatCAD-FD), signs from free space"
+        ),
         Method("odw-paper", PAPER_TERMS, exact, "arXiv 2511.03147, to the letter"),
         Method("odw-paper-fd", PAPER_TERMS, finite_difference, "arXiv 2511.03147 by finite differences"),
     )

@@ -10,7 +10,8 @@ Method §3. Layer l = 0 … L−1 of a SIREN, with ω folded into V = ωW and c 
 All are ordinary products, so a training step needs one backward pass and no double backward. A bar is a
 cotangent: z̄ = ∂loss/∂z. Every stream's part of ∂loss/∂V_l is an outer product, so they are stacked by rows,
 
-    ∂loss/∂V_l = leftᵀ right,   left = [z̄_l; δ_l; t̄_l(u); t̄_l(v)],   right = [a_{l−1}; λ̄_{l−1}; p_{l−1}(u); p_{l−1}(v)]
+    ∂loss/∂V_l = leftᵀ right,   left = [z̄_l; δ_l; t̄_l(u); t̄_l(v)]
+                                right = [a_{l−1}; λ̄_{l−1}; p_{l−1}(u); p_{l−1}(v)]
 
 and cost one product. Arithmetic, in forward passes a point: value 1 + 2, with gradient 2 + 4, with the
 tangent block 4 + 8.
@@ -48,9 +49,10 @@ class Analytic:
         if angles is None:
             angles = points.new_zeros(len(points))
         field = self.field
-        return Jet(
-            *_Jet.apply(points, order, angles, self.buffers, field.frequency, *field.weights, *field.biases)
-        )
+        # within a Function's forward the grad mode is off, and needs_input_grad ignores no_grad
+        trains = torch.is_grad_enabled() and any(weight.requires_grad for weight in field.parameters())
+        parameters = (*field.weights, *field.biases)
+        return Jet(*_Jet.apply(points, order, angles, trains, self.buffers, field.frequency, *parameters))
 
 
 class _Jet(torch.autograd.Function):
@@ -62,25 +64,32 @@ class _Jet(torch.autograd.Function):
         points: Float[Tensor, "n 3"],
         order: int,
         angles: Float[Tensor, " n"],
+        trains: bool,
         buffers: Buffers,
         frequency: float,
         *parameters: Tensor,
     ) -> tuple[Tensor, ...]:
         half = len(parameters) // 2
-        tape = _Tape(points, order, buffers, frequency, parameters[:half], parameters[half:])
+        tape = _Tape(points, order, trains, buffers, frequency, parameters[:half], parameters[half:])
         value = tape.forward()
-        outputs: tuple[Tensor, ...] = (value,)
+        outputs = [value]
         if order >= GRADIENT:
-            outputs += (tape.reverse(),)
+            outputs.append(tape.reverse())
         if order >= TANGENT:
             outputs += tape.push(torch.cat(tangent_frame(outputs[1], angles)))
-        ctx.tape = tape
         ctx.set_materialize_grads(False)
-        return outputs
+        if trains:
+            ctx.tape = tape
+        else:
+            tape.release()
+        return tuple(outputs)
 
     @staticmethod
     def backward(ctx: Any, *bars: Tensor | None) -> tuple[Tensor | None, ...]:
+        if ctx.tape is None:
+            raise RuntimeError("a jet can be differentiated once: its buffers have been handed back")
         tape: _Tape = ctx.tape
+        ctx.tape = None
         n = len(tape.points)
         value, gradient, *block = (*bars, None, None, None, None)[:5]
         if tape.order >= TANGENT:
@@ -89,29 +98,31 @@ class _Jet(torch.autograd.Function):
             tape.reverse_backward(tape.points.new_zeros(n, 3) if gradient is None else gradient)
         weights, biases = tape.forward_backward(tape.points.new_zeros(n) if value is None else value)
         tape.release()
-        return None, None, None, None, None, *weights, *biases
+        return None, None, None, None, None, None, *weights, *biases
 
 
 class _Tape:
-    """One batch's streams, kept from the forward pass to the backward pass; every array of size n·width is a buffer."""
+    """One batch's streams, kept from the forward to the backward pass; arrays of n·width are buffers."""
 
     def __init__(
         self,
         points: Float[Tensor, "n 3"],
         order: int,
+        trains: bool,
         buffers: Buffers,
         frequency: float,
         weights: tuple[Tensor, ...],
         biases: tuple[Tensor, ...],
     ) -> None:
         self.points, self.order, self.buffers, self.frequency = points, order, buffers, frequency
+        self.has_slopes = trains or order >= GRADIENT
         self.V = [frequency * w for w in weights[:-1]]
         self.c = [frequency * b for b in biases[:-1]]
         self.head, self.offset = weights[-1], biases[-1]
         n, rows = len(points), STREAMS[order] * len(points)
         self.n, self.depth, self.width = n, len(self.V), self.head.shape[1]
         self.taken: list[Tensor] = []
-        self.left = [self.take(rows, self.width) for _ in self.V]
+        self.left = [self.take(rows, self.width) for _ in self.V] if self.has_slopes else []
         # right[l] enters layer l; right[depth] enters the head, which no tangent passes.
         self.right = [points.new_empty(rows, 3), *(self.take(rows, self.width) for _ in self.V)]
         self.right[0][:n] = points
@@ -119,7 +130,7 @@ class _Tape:
         self.lambdas: list[Tensor] = [self.head] * self.depth
         self.tangents: list[Tensor] = []
         self.q: list[Tensor] = []
-        # What the tangent block adds to λ̄_l is −sin z_l · w_l; y_l gathers all that multiplies −sin z_l in z̄_l.
+        # The tangent block adds −sin z_l · w_l to λ̄_l; y_l gathers all that multiplies −sin z_l in z̄_l.
         self.w: list[Tensor | None] = [None] * self.depth
         self.y: list[Tensor | None] = [None] * self.depth
 
@@ -142,7 +153,8 @@ class _Tape:
         for layer in range(self.depth):
             z = affine(self.right[layer][: self.n], self.V[layer], self.c[layer])
             torch.sin(z, out=self.sin(layer))
-            self.cos.append(torch.cos(z, out=self.take(self.n, self.width)))
+            if self.has_slopes:
+                self.cos.append(torch.cos(z, out=self.take(self.n, self.width)))
         return self.sin(self.depth - 1) @ self.head[0] + self.offset
 
     def reverse(self) -> Float[Tensor, "n 3"]:
@@ -155,7 +167,7 @@ class _Tape:
                 self.lambdas[layer - 1] = product(delta, self.V[layer])
         return delta @ self.V[0]
 
-    def push(self, directions: Float[Tensor, "2n 3"]) -> tuple[Tensor, Tensor, Tensor]:
+    def push(self, directions: Float[Tensor, "m 3"]) -> tuple[Tensor, Tensor, Tensor]:
         """uᵀHu, uᵀHv, vᵀHv along the rows of `directions`: all u, then all v."""
         n, pair = self.n, (2, self.n, self.width)
         self.right[0][2 * n :] = directions
@@ -229,7 +241,9 @@ class _Tape:
             z_bar = torch.mul(self.cos[layer], a_bar, out=self.left[layer][:n])
             if y is not None:
                 z_bar.addcmul_(self.sin(layer), y, value=-1.0)
-            weights.append(product(transposed.copy_(self.left[layer].t()), self.right[layer]).mul_(self.frequency))
+            weights.append(
+                product(transposed.copy_(self.left[layer].t()), self.right[layer]).mul_(self.frequency)
+            )
             biases.append(z_bar.sum(0).mul_(self.frequency))
             if layer > 0:
                 a_bar = product(z_bar, self.V[layer])

@@ -4,7 +4,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Jet, tangent_frame
+from weingarten.calculus.jet import GRADIENT, VALUE, Jet, tangent_frame
 
 
 class Autodiff:

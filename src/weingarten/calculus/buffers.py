@@ -14,7 +14,9 @@ class Buffers:
     """A free list of tensors by shape, type and device; their content is whatever was left in them."""
 
     def __init__(self) -> None:
-        self.free: defaultdict[tuple[tuple[int, ...], torch.dtype, torch.device], list[Tensor]] = defaultdict(list)
+        self.free: defaultdict[tuple[tuple[int, ...], torch.dtype, torch.device], list[Tensor]] = defaultdict(
+            list
+        )
 
     def take(self, like: Tensor, *shape: int) -> Tensor:
         """An uninitialised tensor of `shape`, of the type and on the device of `like`."""

@@ -6,7 +6,7 @@ optimiser: no cotangent flows through n, u, v (method §2).
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import torch
 from jaxtyping import Float
@@ -49,6 +49,7 @@ SMALLEST_NORM = 1e-12
 """Guard of every division by ‖∇f‖: a critical point of the field gives a large residual, never a NaN."""
 
 
+@runtime_checkable
 class Calculus(Protocol):
     """A way of differentiating a field: analytic, by autograd, or by finite differences."""
 

@@ -7,6 +7,7 @@ a linear head, 264,449 weights.
 """
 
 import math
+from itertools import pairwise
 
 import torch
 from jaxtyping import Float
@@ -33,7 +34,7 @@ class Siren(nn.Module):
         sizes = [3, *[width] * depth, 1]
         self.weights = nn.ParameterList()
         self.biases = nn.ParameterList()
-        for i, (fan_in, fan_out) in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
+        for i, (fan_in, fan_out) in enumerate(pairwise(sizes)):
             bound = 1.0 / fan_in if i == 0 else math.sqrt(6.0 / fan_in) / frequency
             self.weights.append(nn.Parameter(uniform((fan_out, fan_in), bound, generator)))
             self.biases.append(nn.Parameter(uniform((fan_out,), 1.0 / math.sqrt(fan_in), generator)))

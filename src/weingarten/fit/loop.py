@@ -4,9 +4,10 @@ A step evaluates each domain once, in pieces that stay in the processor's cache,
 term on it asks for; each piece's loss is differentiated at once, so memory does not grow with the points.
 """
 
+import dataclasses
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import torch
 from torch import nn
@@ -38,7 +39,10 @@ class Record:
     @property
     def loss(self) -> float:
         """Σ weight · mean residual."""
-        return sum(self.weights[name] * value for name, value in self.terms.items() if self.weights[name] > 0.0)
+        weighed = (
+            self.weights[name] * value for name, value in self.terms.items() if self.weights[name] > 0.0
+        )
+        return sum(weighed, 0.0)
 
 
 @dataclass
@@ -60,7 +64,7 @@ class Loop:
     clip: float
     chunk: int = CHUNK
     step: int = 0
-    calculus: Calculus = field(init=False)
+    calculus: Calculus = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         self.calculus = self.method.calculus(self.field)
@@ -92,13 +96,13 @@ class Loop:
         for name, sample in samples.items():
             terms = [term for term in weights if name in term.domains]
             angles = 2.0 * torch.pi * torch.rand(len(sample), generator=self.generator)
-            if not terms:
-                continue
             order = max((term.order for term in terms if weights[term] > 0.0), default=0)
             for term in terms:
                 if term.order > order:
                     sums[term] += float("nan")
             terms = [term for term in terms if term.order <= order]
+            if not terms:
+                continue
             pieces = zip(sample.split(self.chunk), angles.to(self.device).split(self.chunk), strict=True)
             for piece, turn in pieces:
                 loss = self.piece_loss(piece, turn, order, terms, weights, counts, sums)
@@ -125,10 +129,8 @@ class Loop:
         return loss
 
 
-def run(
-    loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False
-) -> bool:
-    """Step until the end or until `stop()`; `each` gets every record and the step's seconds. True if finished."""
+def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:
+    """Step until the end or until `stop()`; `each` gets every record and its seconds. True if finished."""
     while loop.step < loop.steps:
         if stop():
             return False

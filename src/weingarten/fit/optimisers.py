@@ -32,13 +32,21 @@ def muon(field: nn.Module, rate: float) -> list[torch.optim.Optimizer]:
     if hidden:
         optimisers.append(
             torch.optim.Muon(
-                hidden, lr=rate, weight_decay=0.0, momentum=0.95, nesterov=True, adjust_lr_fn="match_rms_adamw"
+                hidden,
+                lr=rate,
+                weight_decay=0.0,
+                momentum=0.95,
+                nesterov=True,
+                adjust_lr_fn="match_rms_adamw",
             )
         )
     return optimisers
 
 
-OPTIMISERS: dict[str, Callable[[nn.Module, float], list[torch.optim.Optimizer]]] = {"adam": adam, "muon": muon}
+OPTIMISERS: dict[str, Callable[[nn.Module, float], list[torch.optim.Optimizer]]] = {
+    "adam": adam,
+    "muon": muon,
+}
 
 
 def steady(step: int, steps: int) -> float:

@@ -1,6 +1,7 @@
 """NumPy's own files, NPY and NPZ. Pickles are never loaded, and headers are checked before use."""
 
 import math
+from io import BufferedIOBase
 from pathlib import Path
 from typing import IO
 from zipfile import ZipFile
@@ -35,7 +36,7 @@ def read_npz(path: Path) -> Points:
     return _positions(array, f"its array {name.removesuffix('.npy')}")
 
 
-def _checked_header(stream: IO[bytes], size: int) -> tuple[tuple[int, ...], np.dtype]:
+def _checked_header(stream: IO[bytes] | BufferedIOBase, size: int) -> tuple[tuple[int, ...], np.dtype]:
     """Shape and type of an array in a member of `size` bytes; ValueError when it cannot hold that much."""
     version = npy.read_magic(stream)
     if version not in _HEADER_READERS:

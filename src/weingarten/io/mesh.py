@@ -118,7 +118,9 @@ def _read_trimesh(path: Path, **options: bool) -> Mesh:
     loaded = trimesh.load_mesh(path, process=False, **options)
     if not isinstance(loaded, trimesh.Trimesh):
         raise ValueError("it has no faces")
-    return Mesh(np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64))
+    return Mesh(
+        np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
+    )
 
 
 MESH_READERS: dict[str, Callable[[Path], Mesh]] = {

@@ -24,7 +24,7 @@ class Diagnosis:
     notes: tuple[str, ...]
 
 
-def diagnose(points: Points) -> Diagnosis:
+def diagnose(points: Float64[np.ndarray, "..."]) -> Diagnosis:
     """The finite, distinct points in their given order.
 
     Less than 1 % of rows that are not finite are dropped, and exact duplicates merged, each with a note.
@@ -51,7 +51,7 @@ def diagnose(points: Points) -> Diagnosis:
     return Diagnosis(points, notes)
 
 
-def _finite(points: Points) -> tuple[Points, tuple[str, ...]]:
+def _finite(points: Points) -> tuple[Float64[np.ndarray, "m 3"], tuple[str, ...]]:
     """The finite rows, and a note if that left some out."""
     finite = np.isfinite(points).all(axis=1)
     dropped = len(points) - int(np.count_nonzero(finite))

@@ -1,11 +1,11 @@
 """The points of every step: fresh draws on, off and near the surface, from one seeded generator."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
 from jaxtyping import Float, Float64
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from torch import Tensor
 
 from weingarten.scan.free_space import FreeSpace
@@ -20,7 +20,11 @@ NEIGHBOURS = 50
 POOL = 200_000
 """Off-surface points whose signed distance is worked out once, before the first step."""
 
+FAR, SPREAD = 0.3, 0.1
+"""Share of them that is uniform in the box; how far about the cloud the others lie, unit lengths."""
 
+
+@runtime_checkable
 class Draws(Protocol):
     """Anything that yields the samples of a step, by domain."""
 
@@ -34,7 +38,7 @@ class CloudDraws:
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
     """
 
-    def __init__(self, points: Float64[np.ndarray, "n 3"], tree: cKDTree) -> None:
+    def __init__(self, points: Float64[np.ndarray, "n 3"], tree: KDTree) -> None:
         self.points = torch.from_numpy(points.astype(np.float32))
         self.sigma = torch.from_numpy(neighbour_distance(tree, points, NEIGHBOURS).astype(np.float32))
 
@@ -59,29 +63,43 @@ class CloudDraws:
 
 
 class SignedDraws(CloudDraws):
-    """Draws whose off-surface points know their signed distance where free space tells it."""
+    """Draws whose off-surface points know their signed distance where free space tells it.
+
+    Uniform draws seldom fall into thin walls and narrow gaps, and there the sign matters most: so FAR of the
+    points are uniform in the box, the others lie about the cloud, at N(0, SPREAD²), where signs are known.
+    """
 
     def __init__(
         self,
         points: Float64[np.ndarray, "n 3"],
-        tree: cKDTree,
+        tree: KDTree,
         space: FreeSpace,
         generator: torch.Generator,
     ) -> None:
         super().__init__(points, tree)
-        pool = uniform_in_box(POOL, generator)
-        positions = pool.numpy().astype(np.float64)
-        signs = space.signs(positions)
-        distance = np.full(POOL, np.nan, dtype=np.float32)
-        known = signs != 0
-        distance[known] = signs[known] * tree.query(positions[known], workers=-1)[0]
-        self.pool = Sample(pool, torch.from_numpy(distance))
+        far = uniform_in_box(int(FAR * POOL), generator)
+        about = torch.randint(len(self.points), (2 * POOL,), generator=generator)
+        close = self.points[about] + SPREAD * torch.randn(len(about), 3, generator=generator)
+        close = close[
+            (close.abs().amax(dim=1) < REACH) & torch.from_numpy(space.signs(positions(close)) != 0)
+        ]
+        pool = torch.cat([far, close[: POOL - len(far)]])
+        signs = space.signs(positions(pool))
+        distance = np.full(len(pool), np.nan, dtype=np.float32)
+        told = signs != 0
+        distance[told] = signs[told] * tree.query(positions(pool)[told], workers=-1)[0]
+        self.pool = pool
+        self.distance = torch.from_numpy(distance)
 
     def off_surface(self, count: int, generator: torch.Generator) -> Sample:
-        """Uniform in the box, with signed distance or NaN."""
+        """Points of the pool, with signed distance or NaN."""
         chosen = torch.randint(len(self.pool), (count,), generator=generator)
-        assert self.pool.distance is not None
-        return Sample(self.pool.points[chosen], self.pool.distance[chosen])
+        return Sample(self.pool[chosen], self.distance[chosen])
+
+
+def positions(points: Float[Tensor, "n 3"]) -> Float64[np.ndarray, "n 3"]:
+    """The same points for scipy."""
+    return points.numpy().astype(np.float64)
 
 
 def uniform_in_box(count: int, generator: torch.Generator) -> Float[Tensor, "n 3"]:
@@ -90,12 +108,12 @@ def uniform_in_box(count: int, generator: torch.Generator) -> Float[Tensor, "n 3
 
 
 def neighbour_distance(
-    tree: cKDTree, points: Float64[np.ndarray, "n 3"], neighbour: int, block: int = 200_000
+    tree: KDTree, points: Float64[np.ndarray, "n 3"], neighbour: int, block: int = 200_000
 ) -> Float64[np.ndarray, " n"]:
     """Distance of each point to its k-th other neighbour (the last one there is, in a smaller cloud)."""
     k = min(neighbour, len(points) - 1) + 1
     blocks = [
-        tree.query(points[start : start + block], k=[k], workers=-1)[0][:, 0]
+        tree.query(points[start : start + block], k=k, workers=-1)[0][:, -1]
         for start in range(0, len(points), block)
     ]
     return np.concatenate(blocks)

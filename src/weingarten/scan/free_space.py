@@ -4,10 +4,11 @@ Grid cells nearer than τ to a point are shell; the rest falls into connected ro
 box's boundary is outside, the others are inside (findings, "Signs from free space"). Said of nothing that is
 in doubt:
 
-- rooms that a thinner shell (0.85 τ) opens to the outside: pockets behind a mouth narrower than 2τ;
+- rooms that a thinner shell (0.9 τ) opens to the outside: pockets behind a mouth narrower than 2τ;
 - rooms that do not lie against the outside: voids within the solid;
-- where no inside is found (walls thinner than 2τ, or an open surface that the flood leaks through): every
-  cell that does not see the boundary of the box along three of the six axes.
+- outside cells that see the boundary of the box along none of the six axes: one half of a part may leak;
+- where no inside is found with any τ (walls too thin, or a surface so open that the flood leaks in): cells
+  that see the boundary along fewer than three of the axes.
 """
 
 from dataclasses import dataclass
@@ -15,19 +16,20 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int8, Int32
 from scipy.ndimage import distance_transform_edt, label
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
-SHELL = 1.5
-"""τ in median distances to the 8th neighbour; the largest hole of N uniform samples is about 1.2 of them."""
+SHELLS = (1.65, 2.0, 2.4)
+"""τ in median distances to the 8th neighbour, the first that finds an inside; the largest hole of N uniform
+samples is about 1.2 of them."""
 
-THIN_SHELL = 0.85
+THIN_SHELL = 0.9
 """The thinner shell, in τ."""
 
 CELLS = 160
 """Cells along a side of the box at most."""
 
-OPEN_VIEWS = 3
-"""Of the six axis directions, how many must be open for a cell to count as outside when there is no inside."""
+LEAST_VIEWS, MANY_VIEWS = 1, 3
+"""Of the six axis directions, how many must be open for an outside cell, with an inside found and without."""
 
 OUTSIDE = 1
 """The number `label` gives to the room that holds the padded corner: it comes first in scan order."""
@@ -44,24 +46,34 @@ class FreeSpace:
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, points: Float64[np.ndarray, "n 3"], tree: cKDTree, reach: float) -> "FreeSpace":
+    def of(cls, points: Float64[np.ndarray, "n 3"], tree: KDTree, reach: float) -> "FreeSpace":
         """Label the box [−reach, reach]³ around a cloud in the unit frame."""
         probe = points[:: max(1, len(points) // 20_000)]
         spacing = float(np.median(tree.query(probe, k=9, workers=-1)[0][:, 8]))
-        shell = max(SHELL * spacing, 4.0 * reach / CELLS)
+        shells = sorted({max(factor * spacing, 4.0 * reach / CELLS) for factor in SHELLS})
+        first = cls.with_shell(points, tree, reach, shells[0])
+        if first.known_inside > 0.0:
+            return first
+        others = (cls.with_shell(points, tree, reach, shell) for shell in shells[1:])
+        return next((space for space in others if space.known_inside > 0.0), first)
+
+    @classmethod
+    def with_shell(
+        cls, points: Float64[np.ndarray, "n 3"], tree: KDTree, reach: float, shell: float
+    ) -> "FreeSpace":
+        """The labels that one τ gives."""
         count = int(min(CELLS, np.ceil(2.0 * reach / (shell / 2.5))))
         cell = 2.0 * reach / count
         distance = grid_distance(points, tree, count, reach, cell, shell)
-        rooms, room_count = label(np.pad(distance > shell, 1, constant_values=True))
-        rooms = rooms[1:-1, 1:-1, 1:-1]
-        outside, inside = rooms == OUTSIDE, enclosed(rooms, room_count, distance, shell, cell)
+        rooms = connected(distance > shell)
+        outside, inside = rooms == OUTSIDE, enclosed(rooms, distance, shell, cell)
         notes: tuple[str, ...] = ()
         if not inside.any():
-            outside &= open_views(rooms > 0) >= OPEN_VIEWS
             notes = (
-                f"No inside was found: the walls are thinner than {100 * shell:.1f} % of the part's largest side, "
-                "or the surface is open; fewer signs are taken from free space.",
+                f"No inside was found: the walls are thinner than {100 * shell:.1f} % of the part's largest "
+                "side, or the surface is open; fewer signs are taken from free space.",
             )
+        outside &= open_views(rooms > 0) >= (LEAST_VIEWS if inside.any() else MANY_VIEWS)
         return cls(outside.astype(np.int8) - inside.astype(np.int8), -reach, cell, shell, notes)
 
     def signs(self, points: Float64[np.ndarray, "n 3"]) -> Int8[np.ndarray, " n"]:
@@ -77,30 +89,40 @@ class FreeSpace:
 
 
 def grid_distance(
-    points: Float64[np.ndarray, "n 3"], tree: cKDTree, count: int, reach: float, cell: float, shell: float
+    points: Float64[np.ndarray, "n 3"], tree: KDTree, count: int, reach: float, cell: float, shell: float
 ) -> Float32[np.ndarray, "a b c"]:
-    """Distance from cell centres to the cloud: exact where it decides about the shell, else to a cell or so."""
+    """Distance from cell centres to the cloud: exact where it decides about the shell, else to a cell."""
     occupied = np.zeros((count, count, count), dtype=bool)
     occupied[tuple(np.clip(((points + reach) / cell).astype(np.int64), 0, count - 1).T)] = True
-    distance = distance_transform_edt(~occupied, sampling=cell).astype(np.float32)
-    near = np.abs(distance - 0.925 * shell) < 0.075 * shell + np.sqrt(0.75) * cell
+    distance = gaps(occupied, cell)
+    near = np.abs(distance - 0.95 * shell) < 0.05 * shell + np.sqrt(0.75) * cell
     centres = cell * (np.argwhere(near) + 0.5) - reach
     distance[near] = tree.query(centres, workers=-1)[0]
     return distance
 
 
+def gaps(marked: Bool[np.ndarray, "a b c"], cell: float) -> Float32[np.ndarray, "a b c"]:
+    """Distance of every cell's centre to the nearest marked cell's."""
+    return np.asarray(distance_transform_edt(~marked, sampling=cell), dtype=np.float32)
+
+
+def connected(free: Bool[np.ndarray, "a b c"]) -> Int32[np.ndarray, "a b c"]:
+    """Rooms of free cells that touch across faces, numbered from 1; OUTSIDE is the one at the boundary."""
+    rooms = np.empty(tuple(side + 2 for side in free.shape), dtype=np.int32)
+    label(np.pad(free, 1, constant_values=True), output=rooms)
+    return rooms[1:-1, 1:-1, 1:-1]
+
+
 def enclosed(
     rooms: Int32[np.ndarray, "a b c"],
-    count: int,
     distance: Float32[np.ndarray, "a b c"],
     shell: float,
     cell: float,
 ) -> Bool[np.ndarray, "a b c"]:
     """Cells of the rooms that are inside: closed to a thinner shell, and against the outside."""
-    thin_rooms, _ = label(np.pad(distance > THIN_SHELL * shell, 1, constant_values=True))
-    leaky = np.unique(rooms[thin_rooms[1:-1, 1:-1, 1:-1] == OUTSIDE])
-    beside = distance_transform_edt(rooms != OUTSIDE, sampling=cell) < 2.0 * shell + 4.0 * cell
-    inside = np.zeros(count + 1, dtype=bool)
+    leaky = np.unique(rooms[connected(distance > THIN_SHELL * shell) == OUTSIDE])
+    beside = gaps(rooms == OUTSIDE, cell) < 2.0 * shell + 1.8 * cell
+    inside = np.zeros(int(rooms.max()) + 1, dtype=bool)
     inside[np.unique(rooms[beside])] = True
     inside[leaky] = False
     inside[[0, OUTSIDE]] = False

@@ -11,6 +11,7 @@ Between the knots (s, w) and (e, w_e), with r = (t − s)/(e − s):
 import bisect
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 from weingarten.errors import OptionError
 
@@ -47,13 +48,15 @@ class Schedule:
 
     def __post_init__(self) -> None:
         if self.shape not in SHAPES:
-            raise OptionError(f"There is no schedule shape {self.shape!r}; choose one of {', '.join(SHAPES)}.")
+            raise OptionError(
+                f"There is no schedule shape {self.shape!r}; choose one of {', '.join(SHAPES)}."
+            )
         if not self.knots:
             raise OptionError("A schedule needs at least one knot, for example 0:10.")
         times = [time for time, _ in self.knots]
         if any(not 0.0 <= time <= 1.0 for time in times):
             raise OptionError(f"Knots must lie in [0, 1], where 1 is the end of the fit; got {times}.")
-        if any(b <= a for a, b in zip(times[:-1], times[1:], strict=True)):
+        if any(b <= a for a, b in pairwise(times)):
             raise OptionError(f"Knots must be in increasing order of time; got {times}.")
         weights = [weight for _, weight in self.knots]
         if any(not 0.0 <= weight < float("inf") for weight in weights):
@@ -67,7 +70,17 @@ class Schedule:
         if index == len(self.knots):
             return self.knots[-1][1]
         (start, weight), (end, next_weight) = self.knots[index - 1], self.knots[index]
-        return weight + (next_weight - weight) * SHAPES[self.shape]((t - start) / (end - start))
+        share = SHAPES[self.shape]((t - start) / (end - start))
+        return (1.0 - share) * weight + share * next_weight
+
+    @property
+    def greatest(self) -> float:
+        """The greatest weight at a knot."""
+        return max(weight for _, weight in self.knots)
+
+    def scaled(self, factor: float) -> "Schedule":
+        """The same shape with every weight times `factor`."""
+        return Schedule(self.shape, tuple((time, factor * weight) for time, weight in self.knots))
 
 
 def constant(weight: float) -> Schedule:
@@ -84,14 +97,6 @@ SCHEDULES: dict[str, Schedule] = {
     "increasing": Schedule("linear", INCREASING),
 }
 """The paper's schedules of the ODW weight under their names (Tables 1 and 2)."""
-
-
-def named(name: str, knots: Knots | None = None) -> Schedule:
-    """A schedule by the paper's name, with other knots if given."""
-    if name not in SCHEDULES:
-        raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
-    schedule = SCHEDULES[name]
-    return schedule if knots is None else Schedule(schedule.shape, knots)
 
 
 def parse_knots(text: str) -> Knots:

@@ -20,6 +20,8 @@ from weingarten.surface.octree import Octree, Values
 
 BATCH = 8192
 _TOUCHING = 1e-3
+_LEAST_SHARE = 1e-3
+"""Vertices keep this share of an edge from its nodes, so that single precision cannot merge two of them."""
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,7 @@ def _vertices(keys: Int[np.ndarray, " v"], bricks: Bricks, lattice: Lattice) -> 
     on_edge = axis < 3
     share = np.zeros(len(keys))
     share[on_edge] = start[on_edge] / (start[on_edge] - end[on_edge])
+    share[on_edge] = share[on_edge].clip(_LEAST_SHARE, 1.0 - _LEAST_SHARE)
     return lattice.positions(low + share[:, None] * direction)
 
 

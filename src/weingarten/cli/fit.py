@@ -1,0 +1,182 @@
+"""`weingarten fit`: a cloud in, a mesh out."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from weingarten.errors import OptionError
+
+if TYPE_CHECKING:
+    from weingarten.reconstruction import Result
+
+INTERRUPTED = 130
+EXAMPLE = """\
+clouds: .ply .xyz .txt .csv .obj .stl .npy .npz .pcd        meshes: .stl .ply .obj .glb .3mf
+Lengths are in the cloud's unit; the mesh comes back in the cloud's coordinates."""
+
+
+def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
+    """Add the verb to the subparsers."""
+    verb = verbs.add_parser(
+        "fit",
+        help="fit a part to a cloud and write its mesh",
+        description="Fit a signed distance field to unoriented points and write its surface.",
+        formatter_class=formatter,
+        epilog=EXAMPLE,
+    )
+    plain = {"default": argparse.SUPPRESS}
+    verb.add_argument("cloud", metavar="CLOUD", type=Path, help="points to fit; normals are ignored")
+    verb.add_argument(
+        "-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write", **plain
+    )
+    verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
+    verb.add_argument(
+        "--method", metavar="NAME", help="odw, odw-fd, odw-paper, odw-paper-fd (default: preset's)", **plain
+    )
+    verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP, **plain)
+    verb.add_argument(
+        "--knots", metavar="T:W,...", help="times in [0,1] and weights (default: schedule's)", **plain
+    )
+    verb.add_argument(
+        "--steps", type=int, metavar="N", help="optimisation steps (default: preset's)", **plain
+    )
+    verb.add_argument(
+        "--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)", **plain
+    )
+    verb.add_argument(
+        "--resolution",
+        type=int,
+        metavar="N",
+        help="cells along the longest side (default: preset's)",
+        **plain,
+    )
+    verb.add_argument("--seed", type=int, default=0, metavar="N", help="seed of every random draw")
+    verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
+    verb.add_argument(
+        "--run",
+        type=Path,
+        dest="folder",
+        metavar="DIR",
+        help="keep settings, losses, checkpoint here",
+        **plain,
+    )
+    verb.add_argument("--resume", action="store_true", help="go on from the checkpoint in --run", **plain)
+    verb.add_argument(
+        "--oracle", metavar="TRUTH", help="stop early by distance to this mesh, as the paper does", **plain
+    )
+    verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh", **plain)
+    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output", **plain)
+    verb.add_argument("--quiet", action="store_true", help="no progress", **plain)
+    verb.set_defaults(run=run, **ABSENT)
+
+
+SCHEDULE_HELP = "constant, linear, quintic, step, step-next or increasing (default: method's)"
+ABSENT = {
+    "method": None,
+    "schedule": None,
+    "knots": None,
+    "steps": None,
+    "points_per_step": None,
+    "resolution": None,
+    "folder": None,
+    "resume": False,
+    "oracle": None,
+    "picture": None,
+    "json": False,
+    "quiet": False,
+}
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Fit and write. Raises a WeingartenError that names the option or file at fault."""
+    if arguments.resume and arguments.folder is None:
+        raise OptionError("--resume needs --run DIR, the folder of the fit to go on with.")
+    from weingarten.cli.memory import keep_freed_memory
+    from weingarten.cli.mesh_source import load
+    from weingarten.cli.progress import progress
+    from weingarten.device import chosen_device
+    from weingarten.fit.run_folder import SpareFolder
+    from weingarten.io.mesh import check_mesh_path, write_mesh
+    from weingarten.io.points import read_points
+    from weingarten.reconstruction import reconstruct
+    from weingarten.report.picture import check_picture_path, write_picture
+    from weingarten.schedules.schedule import parse_knots
+    from weingarten.settings import resolve
+
+    settings = resolve(
+        preset=arguments.preset,
+        method=arguments.method,
+        schedule=arguments.schedule,
+        knots=None if arguments.knots is None else parse_knots(arguments.knots),
+        seed=arguments.seed,
+        steps=arguments.steps,
+        points=arguments.points_per_step,
+        resolution=arguments.resolution,
+    )
+    chosen_device(arguments.device)
+    check_mesh_path(arguments.output)
+    if arguments.picture is not None:
+        check_picture_path(arguments.picture)
+    truth = None if arguments.oracle is None else load(arguments.oracle)
+    points = read_points(arguments.cloud)
+    keep_freed_memory()
+    spare = arguments.output.with_suffix(".run")
+    observer = progress(arguments.quiet)
+    with observer.listening():
+        result = reconstruct(
+            points,
+            settings,
+            device=arguments.device,
+            run_folder=arguments.folder or SpareFolder(spare),
+            resume=arguments.resume,
+            truth=truth,
+            observer=observer,
+        )
+        notes = write_mesh(arguments.output, result.mesh)
+        for note in notes:
+            observer.note(note)
+    if arguments.picture is not None:
+        write_picture(arguments.picture, points, result.mesh)
+    if arguments.json:
+        sys.stdout.write(json.dumps(as_json(arguments.output, result)) + "\n")
+    elif not arguments.quiet:
+        sys.stderr.write("\n".join(sentences(arguments.output, result)) + "\n")
+    if result.finished:
+        return 0
+    again = (
+        f"weingarten fit {arguments.cloud} -o {arguments.output} --run {arguments.folder or spare} --resume"
+    )
+    sys.stderr.write(
+        f"Interrupted after step {result.summary.steps} of {result.summary.of_steps}; go on with:\n"
+    )
+    sys.stderr.write(f"  {again}{repeated(arguments)}\n")
+    return INTERRUPTED
+
+
+def as_json(output: Path, result: "Result") -> dict[str, object]:
+    """Figures, settings and where the mesh went."""
+    return {"mesh": str(output), "summary": result.summary.as_dict(), "settings": result.settings.as_dict()}
+
+
+def sentences(output: Path, result: "Result") -> list[str]:
+    """What a person wants to know of the result."""
+    summary = result.summary
+    closed = "watertight" if summary.watertight else "NOT watertight"
+    genus = "unknown" if summary.genus is None else str(summary.genus)
+    return [
+        f"Wrote {output}: {summary.faces:,} triangles, {closed}, "
+        f"{summary.components} component{'s' if summary.components != 1 else ''}, genus {genus}.",
+        f"Points to mesh: mean {summary.distance_mean:.4g}, 95 % within {summary.distance_p95:.4g}, "
+        f"farthest {summary.distance_max:.4g} (diagonal {summary.diagonal:.4g}), in the cloud's unit.",
+        "Seconds: " + ", ".join(f"{name} {seconds:.1f}" for name, seconds in summary.seconds.items()) + ".",
+    ]
+
+
+def repeated(arguments: argparse.Namespace) -> str:
+    """The options that make the resumed fit the same fit."""
+    names = ("preset", "method", "schedule", "knots", "steps", "points_per_step", "seed", "oracle")
+    given = {name: getattr(arguments, name) for name in names}
+    given = {name: value for name, value in given.items() if value not in (None, "standard", 0)}
+    return "".join(f" --{name.replace('_', '-')} {value}" for name, value in given.items())

@@ -1,0 +1,54 @@
+"""`weingarten mesh`: the surface of a finished or half-finished run, at another resolution."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+EXAMPLE = "example: weingarten mesh part.run -o part-fine.stl --resolution 512"
+
+
+def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
+    """Add the verb to the subparsers."""
+    verb = verbs.add_parser(
+        "mesh",
+        help="extract a mesh again from a run folder",
+        description="Extract the surface of a finished or half-finished fit from its run folder.",
+        formatter_class=formatter,
+        epilog=EXAMPLE,
+    )
+    plain = {"default": argparse.SUPPRESS}
+    verb.add_argument("folder", metavar="RUN", type=Path, help="run folder of `weingarten fit --run`")
+    verb.add_argument(
+        "-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write", **plain
+    )
+    verb.add_argument("--resolution", type=int, metavar="N", default=256, help="cells along the longest side")
+    verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
+    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output", **plain)
+    verb.set_defaults(run=run, json=False)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Extract and write. Raises CheckpointError for a folder without a readable checkpoint."""
+    from weingarten.cli.memory import keep_freed_memory
+    from weingarten.device import chosen_device
+    from weingarten.fit.run_folder import opened
+    from weingarten.io.mesh import check_mesh_path, write_mesh
+    from weingarten.reconstruction import remesh
+    from weingarten.settings import check_range
+
+    check_range("--resolution", arguments.resolution, 8, 4096)
+    check_mesh_path(arguments.output)
+    keep_freed_memory()
+    found, points = opened(arguments.folder)
+    mesh, notes = remesh(found, points, arguments.resolution, chosen_device(arguments.device))
+    notes += write_mesh(arguments.output, mesh)
+    for note in notes:
+        sys.stderr.write(f"Note: {note}\n")
+    steps = f"step {found.step} of {found.origin.settings.steps}"
+    if arguments.json:
+        figures = {"mesh": str(arguments.output), "faces": len(mesh.faces), "step": found.step}
+        sys.stdout.write(json.dumps(figures) + "\n")
+    else:
+        sys.stdout.write(f"Wrote {arguments.output}: {len(mesh.faces):,} triangles, {steps}.\n")
+    return 0

@@ -1,0 +1,131 @@
+"""The whole state of a fit in one file: weights, optimisers, generator, step, frame, settings.
+
+Tensors go through safetensors, all else as JSON in its header; nothing in the file is ever executed.
+"""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+from torch import Tensor
+
+from weingarten.atomic import replacing
+from weingarten.errors import CheckpointError
+from weingarten.fit.loop import Loop
+from weingarten.frame import Frame
+from weingarten.settings import Settings
+
+FORMAT = "weingarten-1"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a checkpoint belongs to: settings, frame, fingerprint of the points, box of the surface."""
+
+    settings: Settings
+    frame: Frame
+    fingerprint: str
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A checkpoint as read from its file."""
+
+    origin: Origin
+    step: int
+    tensors: dict[str, Tensor]
+    extra: dict[str, object]
+
+    def field_state(self) -> dict[str, Tensor]:
+        """The field's weights, for load_state_dict."""
+        return prefixed(self.tensors, "field.")
+
+    def restore(self, loop: Loop) -> None:
+        """Bring a fresh loop of the same settings to this state, to the bit."""
+        loop.field.load_state_dict(self.field_state())
+        for index, optimiser in enumerate(loop.optimisers):
+            state: dict[int, dict[str, Tensor]] = {}
+            for name, tensor in prefixed(self.tensors, f"optimiser.{index}.").items():
+                parameter, _, entry = name.partition(".")
+                state.setdefault(int(parameter), {})[entry] = tensor
+            optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
+        loop.generator.set_state(self.tensors["generator"])
+        loop.step = self.step
+
+
+def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor], extra: dict) -> None:
+    """Write the state of a fit; an earlier checkpoint at `path` stays until the new one is whole."""
+    tensors = {f"field.{name}": value for name, value in loop.field.state_dict().items()}
+    for index, optimiser in enumerate(loop.optimisers):
+        for parameter, state in optimiser.state_dict()["state"].items():
+            tensors |= {f"optimiser.{index}.{parameter}.{name}": value for name, value in state.items()}
+    tensors["generator"] = loop.generator.get_state()
+    tensors |= extra_tensors
+    header = {
+        "format": FORMAT,
+        "step": loop.step,
+        "settings": origin.settings.as_dict(),
+        "frame": asdict(origin.frame),
+        "fingerprint": origin.fingerprint,
+        "lower": origin.lower,
+        "upper": origin.upper,
+        "extra": extra,
+    }
+    with replacing(path) as temporary:
+        save_file(
+            {name: value.detach().cpu().contiguous() for name, value in tensors.items()},
+            temporary,
+            metadata={"weingarten": json.dumps(header)},
+        )
+
+
+def load(path: Path) -> Checkpoint:
+    """Read a checkpoint. Raises CheckpointError when there is none, or it is corrupted or of another kind."""
+    if not path.is_file():
+        raise CheckpointError(f"There is no checkpoint at {path}; start the fit without --resume.")
+    try:
+        with safe_open(path, framework="pt") as file:
+            header = json.loads((file.metadata() or {})["weingarten"])
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        if header["format"] != FORMAT:
+            raise CheckpointError(
+                f"{path} is of format {header['format']!r}, not {FORMAT!r}; start the fit anew."
+            )
+        frame = Frame(tuple(header["frame"]["centre"]), header["frame"]["scale"])
+        settings = Settings.from_dict(header["settings"])
+        origin = Origin(
+            settings, frame, header["fingerprint"], tuple(header["lower"]), tuple(header["upper"])
+        )
+        return Checkpoint(origin, int(header["step"]), tensors, header["extra"])
+    except (SafetensorError, OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise CheckpointError(f"{path} is corrupted ({error}); delete it and start the fit anew.") from error
+
+
+def check_same(found: Origin, wanted: Origin) -> None:
+    """Raise CheckpointError unless a checkpoint continues the fit that is asked for."""
+    ours, theirs = wanted.settings.as_dict(), found.settings.as_dict()
+    different = [name for name in ours if ours[name] != theirs[name] and name != "resolution"]
+    if different:
+        listed = ", ".join(f"{name} {theirs[name]} there, {ours[name]} here" for name in different)
+        raise CheckpointError(
+            f"The checkpoint belongs to another configuration ({listed}); use another --run folder."
+        )
+    if found.fingerprint != wanted.fingerprint:
+        raise CheckpointError("The checkpoint belongs to another cloud; use another --run folder.")
+
+
+def prefixed(tensors: dict[str, Tensor], prefix: str) -> dict[str, Tensor]:
+    """The entries whose name starts with `prefix`, without it."""
+    return {name[len(prefix) :]: value for name, value in tensors.items() if name.startswith(prefix)}
+
+
+def fingerprint(points: Float64[np.ndarray, "n 3"]) -> str:
+    """A hash of the points' bytes."""
+    return hashlib.sha256(np.ascontiguousarray(points).tobytes()).hexdigest()

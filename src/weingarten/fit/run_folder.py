@@ -1,0 +1,196 @@
+"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json.
+
+A fit without a folder uses `NoFolder`, so that nothing asks whether there is one.
+"""
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import tomli_w
+from jaxtyping import Float64
+
+from weingarten.atomic import replacing
+from weingarten.errors import CheckpointError, OutputError
+from weingarten.fit import checkpoint
+from weingarten.fit.checkpoint import Checkpoint, Origin
+from weingarten.fit.loop import Loop, Record
+from weingarten.io.mesh import write_mesh
+from weingarten.mesh import Mesh
+from weingarten.summary import Summary
+
+Points = Float64[np.ndarray, "n 3"]
+
+
+class Keeper(Protocol):
+    """Whoever keeps what a fit leaves behind."""
+
+    def found(self) -> Checkpoint:
+        """The checkpoint to go on from; CheckpointError where there is none."""
+        ...
+
+    def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
+        """Write what is known before the first step."""
+        ...
+
+    def record(self, record: Record, seconds: float) -> None:
+        """Note one step."""
+        ...
+
+    def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
+        """Keep the state of the fit."""
+        ...
+
+    def finish(self, mesh: Mesh, summary: Summary) -> None:
+        """Keep the result, world frame."""
+        ...
+
+
+class NoFolder:
+    """Keeps nothing."""
+
+    def found(self) -> Checkpoint:
+        """There is none."""
+        raise CheckpointError("A fit without a run folder cannot be resumed; name its folder.")
+
+    def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
+        """See Keeper."""
+
+    def record(self, record: Record, seconds: float) -> None:
+        """See Keeper."""
+
+    def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
+        """See Keeper."""
+
+    def finish(self, mesh: Mesh, summary: Summary) -> None:
+        """See Keeper."""
+
+
+class RunFolder:
+    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.rows: list[list[str]] = []
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(f"The run folder {path} cannot be made: {error.strerror}.") from error
+
+    @property
+    def checkpoint(self) -> Path:
+        """Where the state of the fit is."""
+        return self.path / "checkpoint.safetensors"
+
+    def found(self) -> Checkpoint:
+        """The checkpoint in the folder; CheckpointError where there is none or it cannot be read."""
+        return checkpoint.load(self.checkpoint)
+
+    @property
+    def cloud(self) -> Path:
+        """Where the cleaned points are, world units."""
+        return self.path / "cloud.npy"
+
+    @property
+    def curve(self) -> Path:
+        """Where the loss curve is."""
+        return self.path / "loss.csv"
+
+    def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
+        """Write what is known before the first step; keep the loss curve up to a resumed checkpoint."""
+        with replacing(self.path / "config.toml") as temporary:
+            temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
+        if resumed is None or not self.cloud.exists():
+            with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
+                np.save(stream, points, allow_pickle=False)
+        kept: list[list[str]] = []
+        if resumed is not None and self.curve.exists():
+            with self.curve.open(newline="") as stream:
+                kept = [row for row in csv.reader(stream) if row[:1] == ["step"] or before(row, resumed.step)]
+        with replacing(self.curve) as temporary, temporary.open("w", newline="") as stream:
+            csv.writer(stream).writerows(kept)
+
+    def record(self, record: Record, seconds: float) -> None:
+        """Note one step; it reaches the file with the next checkpoint."""
+        names = list(record.terms)
+        if record.step == 0:
+            header = ["step", "progress", "rate", "loss", "seconds"]
+            self.rows.append([*header, *names, *(f"weight_{name}" for name in names)])
+        values = [record.progress, record.rate, record.loss, seconds, *record.terms.values()]
+        values += [record.weights[name] for name in names]
+        self.rows.append([str(record.step), *(f"{value:.9g}" for value in values)])
+
+    def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
+        """Write the checkpoint and the loss curve up to it."""
+        try:
+            with self.curve.open("a", newline="") as stream:
+                csv.writer(stream).writerows(self.rows)
+        except OSError as error:
+            raise OutputError(f"{self.curve} could not be written: {error.strerror}.") from error
+        self.rows.clear()
+        checkpoint.save(self.checkpoint, loop, origin, tensors, extra)
+
+    def finish(self, mesh: Mesh, summary: Summary) -> None:
+        """Write the mesh and the figures."""
+        write_mesh(self.path / "mesh.ply", mesh)
+        with replacing(self.path / "summary.json") as temporary:
+            temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")
+
+
+class SpareFolder(NoFolder):
+    """Becomes a run folder if the fit is interrupted, and nothing otherwise."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.origin: Origin | None = None
+        self.records: list[tuple[Record, float]] = []
+
+    def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
+        """See Keeper."""
+        self.points = points
+
+    def record(self, record: Record, seconds: float) -> None:
+        """See Keeper."""
+        self.records.append((record, seconds))
+
+    def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
+        """See Keeper."""
+        self.loop, self.origin, self.state = loop, origin, (tensors, extra)
+
+    def finish(self, mesh: Mesh, summary: Summary) -> None:
+        """See Keeper."""
+        if summary.finished or self.origin is None:
+            return
+        folder = RunFolder(self.path)
+        folder.begin(self.origin, self.points, None)
+        for record, seconds in self.records:
+            folder.record(record, seconds)
+        folder.save(self.loop, self.origin, *self.state)
+        folder.finish(mesh, summary)
+
+
+def opened(path: Path) -> tuple[Checkpoint, Points]:
+    """Checkpoint and cloud (world units) of a run folder, for reading; CheckpointError if unreadable."""
+    if not path.is_dir():
+        raise CheckpointError(
+            f"There is no run folder at {path}; make one with `weingarten fit --run {path}`."
+        )
+    found = checkpoint.load(path / "checkpoint.safetensors")
+    try:
+        points = np.load(path / "cloud.npy", allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise CheckpointError(f"{path / 'cloud.npy'} cannot be read ({error}); run the fit again.") from error
+    if points.dtype != np.float64 or checkpoint.fingerprint(points) != found.origin.fingerprint:
+        raise CheckpointError(f"{path / 'cloud.npy'} is not the cloud of this run; run the fit again.")
+    return found, points
+
+
+def before(row: list[str], step: int) -> bool:
+    """Whether a row of the loss curve is whole and of an earlier step."""
+    try:
+        return len(row) > 5 and int(row[0]) < step and not math.isnan(float(row[4]))
+    except ValueError:
+        return False

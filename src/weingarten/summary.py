@@ -1,0 +1,81 @@
+"""What can be said of a result without a ground truth."""
+
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from weingarten.mesh import Mesh
+from weingarten.metrics.distance import closest
+from weingarten.metrics.topology import topology
+
+MOST_POINTS = 200_000
+"""Distances are taken from at most so many points, evenly picked from the cloud."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Quality and cost of a fit; lengths in the input's unit, times in seconds.
+
+    points: of the cloud, after cleaning. distance_*: of cloud points to the mesh's triangles.
+    genus: None where the mesh is not closed. steps, of_steps: taken and planned.
+    finished: False after an interruption. loss: of the last step, None when none was taken.
+    """
+
+    points: int
+    vertices: int
+    faces: int
+    distance_mean: float
+    distance_p95: float
+    distance_max: float
+    diagonal: float
+    watertight: bool
+    components: int
+    genus: int | None
+    volume: float
+    steps: int
+    of_steps: int
+    finished: bool
+    loss: float | None
+    seconds: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return asdict(self) | {"notes": list(self.notes)}
+
+
+def summarise(
+    points: Float64[np.ndarray, "n 3"],
+    mesh: Mesh,
+    steps: int,
+    of_steps: int,
+    finished: bool,
+    loss: float | None,
+    seconds: dict[str, float],
+    notes: tuple[str, ...],
+) -> Summary:
+    """The figures of a mesh in the frame of its cloud."""
+    probe = points[:: max(1, -(-len(points) // MOST_POINTS))]
+    distance = closest(mesh, probe).distance
+    shape = topology(mesh)
+    return Summary(
+        points=len(points),
+        vertices=len(mesh.vertices),
+        faces=len(mesh.faces),
+        distance_mean=float(distance.mean()),
+        distance_p95=float(np.percentile(distance, 95)),
+        distance_max=float(distance.max()),
+        diagonal=float(np.linalg.norm(np.ptp(points, axis=0))),
+        watertight=shape.watertight,
+        components=shape.components,
+        genus=shape.genus,
+        volume=shape.volume,
+        steps=steps,
+        of_steps=of_steps,
+        finished=finished,
+        loss=loss,
+        seconds=seconds,
+        notes=notes,
+    )

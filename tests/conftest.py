@@ -1,0 +1,29 @@
+"""Every function of the package checks the types and shapes it is called with while tests run.
+
+One torch thread, so that float32 sums add up in the same order on every machine of a kind; two pytest
+processes fill two cores better than two threads do on the small tensors of the tests.
+"""
+
+import pytest
+import torch
+from jaxtyping import install_import_hook
+
+HOOK = install_import_hook("weingarten", "beartype.beartype")
+torch.set_num_threads(1)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """`--regenerate-golden` writes the loss curves of tests/fit/golden anew instead of comparing."""
+    parser.addoption("--regenerate-golden", action="store_true", help="write tests/fit/golden/*.json anew")
+
+
+@pytest.fixture
+def generator() -> torch.Generator:
+    """A torch generator, seeded."""
+    return torch.Generator().manual_seed(0)
+
+
+@pytest.fixture(autouse=True)
+def global_seed() -> None:
+    """Nothing in the package draws from torch's global generator; tests that do get the same numbers."""
+    torch.manual_seed(0)

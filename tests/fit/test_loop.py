@@ -1,0 +1,191 @@
+"""The loop: pieces add up, records tell the truth, weights of zero cost nothing, gradients are clipped."""
+
+import math
+from dataclasses import replace
+
+import pytest
+import torch
+
+from weingarten.fit.loop import Record, run
+from weingarten.fit.optimisers import adam, cosine, muon, steady
+from weingarten.methods import METHODS
+from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE
+from weingarten.schedules.schedule import Schedule, constant
+from weingarten.terms.dirichlet import DIRICHLET
+from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN as ODW
+
+SMALL = {"width": 16, "depth": 3, "points": 50, "steps": 10}
+PAPER = METHODS["odw-paper"]
+
+
+def gradients(loop):
+    return [weight.grad.clone() for weight in loop.field.parameters()]
+
+
+def weights_at(loop, progress):
+    return {term: schedule(progress) for term, schedule in loop.method.terms.items()}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("chunk", [1, 7, 50])
+def test_pieces_add_up_to_the_whole(make_loop, signed_draws, method, chunk):
+    results = []
+    for size in (1000, chunk):
+        loop = make_loop(METHODS[method], draws=signed_draws, double=True, chunk=size, **SMALL)
+        means = loop.accumulate(weights_at(loop, 0.0))
+        results.append((means, gradients(loop)))
+    (whole, expected), (pieces, found) = results
+    assert pieces == pytest.approx(whole, rel=1e-10)
+    scale = max(gradient.abs().max() for gradient in expected)
+    for one, other in zip(found, expected, strict=True):
+        assert (one - other).abs().max() < 1e-10 * scale
+
+
+def test_recorded_means_are_those_of_the_points(make_loop):
+    loop = make_loop(PAPER, double=True, **SMALL)
+    generator = torch.Generator()
+    generator.set_state(loop.generator.get_state())
+    samples = loop.draws(50, generator)
+    values = {name: loop.field(sample.points).detach() for name, sample in samples.items()}
+    at = torch.cat([samples[SURFACE].points, samples[NEAR].points]).requires_grad_(True)
+    (slopes,) = torch.autograd.grad(loop.field(at).sum(), at)
+    record = loop.advance()
+    assert record.terms["dirichlet"] == pytest.approx(float(values[SURFACE].abs().mean()), rel=1e-10)
+    off_surface = torch.exp(-100 * values[OFF_SURFACE].abs()).mean()
+    assert record.terms["off_surface"] == pytest.approx(float(off_surface), rel=1e-10)
+    eikonal = (slopes.square().sum(1) - 1).square().mean()
+    assert record.terms["eikonal"] == pytest.approx(float(eikonal), rel=1e-10)
+    assert record.loss == pytest.approx(sum(record.weights[n] * record.terms[n] for n in record.terms))
+
+
+def test_a_record_says_where_it_was_taken(make_loop):
+    loop = make_loop(PAPER, rate=cosine, **SMALL)
+    records = [loop.advance() for _ in range(10)]
+    assert [record.step for record in records] == list(range(10))
+    assert [record.progress for record in records] == pytest.approx([i / 10 for i in range(10)])
+    assert [record.rate for record in records] == pytest.approx([5e-5 * cosine(i, 10) for i in range(10)])
+    expected = [PAPER.terms[ODW](i / 10) for i in range(10)]
+    assert [record.weights["off_diagonal_weingarten"] for record in records] == expected
+
+
+def test_a_term_of_weight_zero_is_not_evaluated_and_changes_nothing(make_loop):
+    silent = PAPER.with_schedule(constant(0.0))
+    without = replace(PAPER, terms={term: weight for term, weight in PAPER.terms.items() if term is not ODW})
+    loops = [make_loop(method, **SMALL) for method in (silent, without)]
+    orders = []
+    calculus = loops[0].calculus
+    loops[0].calculus = lambda points, order, angles: (orders.append(order), calculus(points, order, angles))[
+        1
+    ]
+    records = [loop.advance() for loop in loops]
+    assert sorted(orders) == [0, 1, 1]
+    assert math.isnan(records[0].terms["off_diagonal_weingarten"])
+    assert records[0].loss == records[1].loss
+    for one, other in zip(loops[0].field.parameters(), loops[1].field.parameters(), strict=True):
+        assert torch.equal(one, other)
+
+
+def test_a_term_of_weight_zero_is_still_told_where_it_costs_nothing(make_loop):
+    method = replace(PAPER, terms={**PAPER.terms, DIRICHLET: constant(0.0)})
+    record = make_loop(method, **SMALL).advance()
+    assert record.terms["dirichlet"] > 0
+    assert record.loss == pytest.approx(
+        sum(record.weights[n] * record.terms[n] for n in record.terms if n != "dirichlet")
+    )
+
+
+def test_a_loss_without_any_weight_moves_nothing(make_loop):
+    method = replace(PAPER, terms=dict.fromkeys(PAPER.terms, constant(0.0)))
+    loop = make_loop(method, **SMALL)
+    before = [weight.detach().clone() for weight in loop.field.parameters()]
+    assert loop.advance().loss == 0.0
+    assert all(torch.equal(a, b) for a, b in zip(before, loop.field.parameters(), strict=True))
+
+
+@pytest.mark.parametrize("clip", [1e-3, 10.0])
+def test_the_gradient_is_clipped(make_loop, clip):
+    loop = make_loop(PAPER, clip=clip, **SMALL)
+    loop.advance()
+    norm = torch.cat([gradient.flatten() for gradient in gradients(loop)]).norm()
+    assert float(norm) == pytest.approx(clip, rel=1e-4)
+
+
+def test_a_small_gradient_is_left_alone(make_loop):
+    loops = [make_loop(PAPER, clip=clip, **SMALL) for clip in (1e9, 1e12)]
+    for loop in loops:
+        loop.advance()
+    assert all(torch.equal(a, b) for a, b in zip(*map(gradients, loops), strict=True))
+
+
+@pytest.mark.parametrize("builder", [adam, muon])
+def test_the_same_seed_gives_the_same_fit_to_the_bit(make_loop, builder):
+    curves = []
+    for noise in (0, 1):
+        torch.manual_seed(noise)
+        loop = make_loop(PAPER, **SMALL)
+        loop.optimisers = builder(loop.field, 5e-5)
+        curves.append([loop.advance().loss for _ in range(10)])
+    assert curves[0] == curves[1]
+
+
+def test_another_seed_gives_another_fit(make_loop):
+    losses = [make_loop(PAPER, seed=seed, **SMALL).advance().loss for seed in (1, 2)]
+    assert losses[0] != losses[1]
+
+
+def test_a_loss_that_is_not_finite_is_seen_in_the_record(make_loop):
+    loop = make_loop(PAPER, **SMALL)
+    with torch.no_grad():
+        loop.field.weights[1].fill_(float("nan"))
+    assert math.isnan(loop.advance().loss)
+
+
+def test_run_stops_when_told_and_hands_every_record_on(make_loop):
+    loop, seen = make_loop(PAPER, **SMALL), []
+
+    def each(record: Record, seconds: float) -> None:
+        assert seconds > 0
+        seen.append(record.step)
+
+    assert run(loop, each, lambda: len(seen) == 4) is False
+    assert seen == [0, 1, 2, 3]
+    assert run(loop, each) is True
+    assert seen == list(range(10))
+
+
+def test_a_field_that_is_no_siren_is_fitted_by_autograd(make_loop, draws, generator):
+    """Any torch module: here a small softplus network."""
+
+    class Network(torch.nn.Module):
+        def __init__(self):
+            super().__init__()
+            layers = [torch.nn.Linear(3, 16), torch.nn.Softplus(10.0), torch.nn.Linear(16, 1)]
+            self.layers = torch.nn.Sequential(*layers)
+
+        def forward(self, points):
+            return self.layers(points)[:, 0]
+
+    loop = make_loop(PAPER, **SMALL)
+    loop.field = Network()
+    loop.optimisers = muon(loop.field, 1e-3)
+    loop.base_rate = 1e-3
+    loop.__post_init__()
+    losses = [loop.advance().loss for _ in range(10)]
+    assert losses[-1] < losses[0]
+
+
+def test_rates():
+    assert [steady(step, 10) for step in (0, 9)] == [1.0, 1.0]
+    rates = [cosine(step, 600) for step in range(600)]
+    assert rates[0] == pytest.approx(1 / 50)
+    assert max(rates) == rates[49] == rates[50] == 1.0
+    assert rates[-1] == pytest.approx(0.02, abs=1e-4)
+    assert rates[50:] == sorted(rates[50:], reverse=True)
+    assert all(0 < cosine(step, 1) <= 1 for step in range(1))
+
+
+def test_the_schedule_spans_the_fit(make_loop):
+    method = PAPER.with_schedule(Schedule("step", ((0.0, 3.0), (0.5, 2.0), (0.9, 0.0))))
+    loop = make_loop(method, **SMALL)
+    seen = [loop.advance().weights["off_diagonal_weingarten"] for _ in range(10)]
+    assert seen == [3.0] * 5 + [2.0] * 4 + [0.0]
