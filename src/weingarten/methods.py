@@ -65,7 +65,7 @@ RECIPE_TERMS = {
     OFF_SURFACE_TERM: constant(100.0),
     FREE_SPACE: constant(1000.0),
     EIKONAL_ABSOLUTE: constant(50.0),
-    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"].scaled(0.3),
+    OFF_DIAGONAL_WEINGARTEN: Schedule("quintic", ((0.0, 3.0), (0.2, 3.0), (0.5, 0.0))),
 }
 
 METHODS = {
