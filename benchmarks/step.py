@@ -62,6 +62,9 @@ def void(_: object) -> None:
 
 def serve(name: str, points: int) -> None:
     """Answer every line on standard input with a step's seconds and the peak memory in MiB."""
+    from weingarten.cli.memory import keep_freed_memory
+
+    keep_freed_memory()
     step = stepper(name, points)
     for _ in sys.stdin:
         started = time.perf_counter()

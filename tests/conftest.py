@@ -1,7 +1,6 @@
 """Every function of the package checks the types and shapes it is called with while tests run.
 
-One torch thread, so that float32 sums add up in the same order on every machine of a kind; two pytest
-processes fill two cores better than two threads do on the small tensors of the tests.
+One torch thread, so that float32 sums add up in the same order on every machine of a kind.
 """
 
 import pytest

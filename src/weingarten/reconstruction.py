@@ -16,7 +16,7 @@ from weingarten.fields.siren import Siren
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
 from weingarten.fit.estimate import estimate
-from weingarten.fit.loop import Loop, Record, run
+from weingarten.fit.loop import CHUNK, GPU_CHUNK, Loop, Record, run
 from weingarten.fit.optimisers import OPTIMISERS, RATES
 from weingarten.fit.run_folder import Keeper, NoFolder, RunFolder
 from weingarten.frame import Frame
@@ -39,7 +39,7 @@ Points = Float64[np.ndarray, "n 3"]
 MARGIN = 0.05
 """Room left around the cloud for the surface, unit lengths."""
 
-CHECKPOINT_SECONDS = 5.0
+CHECKPOINT_SECONDS = 2.0
 """Seconds between checkpoints: what a kill can lose."""
 
 
@@ -189,6 +189,7 @@ def first_loop(
         steps=settings.steps,
         points=settings.points,
         clip=settings.clip,
+        chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
     )
     return loop, notes
 

@@ -113,10 +113,10 @@ def test_signed_draws_know_the_distance_where_free_space_does(cloud, tree):
     distance = sample.distance[known]
     assert torch.equal(distance.sign(), (radius - 1).sign())
     assert distance.abs().min() > 0.5 * space.shell
-    # the distance to the nearest sample is never less than that to the sphere, nor much more
+    # never less than the distance d to the sphere; with holes of radius h ≤ τ/1.3, about h²/2d more, d ≥ τ
     excess = distance.abs() - (radius - 1).abs()
     assert excess.min() > -1e-6
-    assert excess.max() < 0.04
+    assert excess.max() < 0.5 * space.shell
 
 
 def test_signed_draws_repeat_with_their_generators(cloud, tree):

@@ -10,12 +10,10 @@ from weingarten.errors import OptionError
 from weingarten.schedules import schedule as module
 from weingarten.schedules.schedule import (
     DECREASING,
-    INCREASING,
     SCHEDULES,
     SHAPES,
     Schedule,
     constant,
-    named,
     parse_knots,
 )
 
@@ -124,8 +122,6 @@ def test_bad_knots(knots, shape):
 def test_unknown_names_list_what_there_is():
     with pytest.raises(OptionError, match="linear, quintic, step, step-next"):
         Schedule("cubic", DECREASING)
-    with pytest.raises(OptionError, match="constant, linear, quintic"):
-        named("cubic")
 
 
 @pytest.mark.parametrize(
@@ -146,9 +142,9 @@ def test_parsing_reverses_writing(knots):
     assert parse_knots(",".join(f"{time!r}:{weight!r}" for time, weight in knots)) == knots
 
 
-def test_named_with_other_knots_keeps_the_shape():
-    assert named("quintic", INCREASING) == Schedule("quintic", INCREASING)
-    assert named("step") is SCHEDULES["step"]
+def test_scaling_keeps_the_shape():
+    assert SCHEDULES["quintic"].scaled(0.3)(0.0) == pytest.approx(3.0)
+    assert SCHEDULES["quintic"].scaled(0.3).greatest == pytest.approx(3.0)
     assert constant(3.0)(0.7) == 3.0
 
 

@@ -1,10 +1,10 @@
-"""Ghosts go, pieces near the scan and the largest piece stay."""
+"""Ghosts go, pieces that the scan supports stay."""
 
 import numpy as np
 import pytest
 import trimesh
 
-from weingarten.calculus.exact import Sphere, Union
+from weingarten.calculus.exact import Box, Difference, Sphere, Union
 from weingarten.surface.contour import extract
 from weingarten.surface.repair import drop_ghosts, pieces
 
@@ -31,18 +31,30 @@ def test_pieces_are_counted(mesh):
 
 
 def test_a_ghost_goes(mesh):
-    kept = drop_ghosts(mesh, np.concatenate([on(BIG), on(SMALL)]), 0.1)
+    kept = drop_ghosts(mesh, np.concatenate([on(BIG), on(SMALL)]))
     assert pieces(kept).max() == 1
     assert volume(kept) == pytest.approx(volume(mesh) - 4 / 3 * np.pi * 0.15**3, rel=3e-3)
     assert np.array_equal(np.unique(kept.faces), np.arange(len(kept.vertices)))
 
 
-def test_the_largest_piece_stays(mesh):
-    kept = drop_ghosts(mesh, on(SMALL), 0.1)
-    assert pieces(kept).max() == 1
-    assert kept.bounds[0, 0] == pytest.approx(-0.9, abs=0.01)
+def test_the_piece_with_the_points_stays(mesh):
+    kept = drop_ghosts(mesh, on(SMALL))
+    assert pieces(kept).max() == 0
+    assert volume(kept) == pytest.approx(4 / 3 * np.pi * 0.25**3, rel=0.03)
+
+
+def test_a_void_inside_a_wall_goes_though_points_are_near():
+    wall = Difference(Box(half=(0.8, 0.8, 0.05)), Sphere(radius=0.03))
+    mesh = extract(wall, np.full(3, -1.1), np.full(3, 1.1), 160)
+    assert pieces(mesh).max() == 1
+    random = np.random.default_rng(0)
+    faces = random.uniform(-0.8, 0.8, (5000, 3))
+    faces[:, 2] = np.sign(faces[:, 2]) * 0.05
+    kept = drop_ghosts(mesh, faces)
+    assert pieces(kept).max() == 0
+    assert kept.bounds[1, 0] > 0.79
 
 
 def test_nothing_to_drop(mesh):
     every = np.concatenate([on(BIG), on(SMALL), on(GHOST)])
-    assert drop_ghosts(mesh, every, 0.1) is mesh
+    assert drop_ghosts(mesh, every) is mesh

@@ -24,9 +24,8 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         "--json",
         action="store_true",
         help="one JSON object on the standard output",
-        default=argparse.SUPPRESS,
     )
-    verb.set_defaults(run=run, json=False)
+    verb.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

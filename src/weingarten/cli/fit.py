@@ -26,31 +26,21 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         formatter_class=formatter,
         epilog=EXAMPLE,
     )
-    plain = {"default": argparse.SUPPRESS}
     verb.add_argument("cloud", metavar="CLOUD", type=Path, help="points to fit; normals are ignored")
-    verb.add_argument(
-        "-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write", **plain
-    )
+    verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
     verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
     verb.add_argument(
-        "--method", metavar="NAME", help="odw, odw-fd, odw-paper, odw-paper-fd (default: preset's)", **plain
+        "--method", metavar="NAME", help="odw, odw-fd, odw-paper, odw-paper-fd (default: preset's)"
     )
-    verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP, **plain)
-    verb.add_argument(
-        "--knots", metavar="T:W,...", help="times in [0,1] and weights (default: schedule's)", **plain
-    )
-    verb.add_argument(
-        "--steps", type=int, metavar="N", help="optimisation steps (default: preset's)", **plain
-    )
-    verb.add_argument(
-        "--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)", **plain
-    )
+    verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP)
+    verb.add_argument("--knots", metavar="T:W,...", help="times in [0,1] and weights (default: schedule's)")
+    verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
+    verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
     verb.add_argument(
         "--resolution",
         type=int,
         metavar="N",
         help="cells along the longest side (default: preset's)",
-        **plain,
     )
     verb.add_argument("--seed", type=int, default=0, metavar="N", help="seed of every random draw")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
@@ -60,33 +50,18 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         dest="folder",
         metavar="DIR",
         help="keep settings, losses, checkpoint here",
-        **plain,
     )
-    verb.add_argument("--resume", action="store_true", help="go on from the checkpoint in --run", **plain)
+    verb.add_argument("--resume", action="store_true", help="go on from the checkpoint in --run")
     verb.add_argument(
-        "--oracle", metavar="TRUTH", help="stop early by distance to this mesh, as the paper does", **plain
+        "--oracle", metavar="TRUTH", help="stop early by distance to this mesh, as the paper does"
     )
-    verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh", **plain)
-    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output", **plain)
-    verb.add_argument("--quiet", action="store_true", help="no progress", **plain)
-    verb.set_defaults(run=run, **ABSENT)
+    verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh")
+    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
+    verb.add_argument("--quiet", action="store_true", help="no progress")
+    verb.set_defaults(run=run)
 
 
 SCHEDULE_HELP = "constant, linear, quintic, step, step-next or increasing (default: method's)"
-ABSENT = {
-    "method": None,
-    "schedule": None,
-    "knots": None,
-    "steps": None,
-    "points_per_step": None,
-    "resolution": None,
-    "folder": None,
-    "resume": False,
-    "oracle": None,
-    "picture": None,
-    "json": False,
-    "quiet": False,
-}
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -14,10 +14,15 @@ VERBS = (fit, mesh, sample, evaluate, doctor)
 
 
 class Formatter(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
-    """Defaults after every option, examples left as written."""
+    """Defaults after every option that has one, examples left as written."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=28, width=100)
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        """Without "(default: None)" and the like."""
+        bare = action.default is None or action.default is False
+        return action.help if bare else super()._get_help_string(action)
 
 
 def parser() -> argparse.ArgumentParser:

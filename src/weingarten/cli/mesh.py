@@ -17,15 +17,12 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         formatter_class=formatter,
         epilog=EXAMPLE,
     )
-    plain = {"default": argparse.SUPPRESS}
     verb.add_argument("folder", metavar="RUN", type=Path, help="run folder of `weingarten fit --run`")
-    verb.add_argument(
-        "-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write", **plain
-    )
+    verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
     verb.add_argument("--resolution", type=int, metavar="N", default=256, help="cells along the longest side")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
-    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output", **plain)
-    verb.set_defaults(run=run, json=False)
+    verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
+    verb.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -5,7 +5,6 @@ Everything goes to the standard error, so that the standard output holds results
 
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -56,9 +55,6 @@ class Quiet(Interruptible):
 class Plain(Interruptible):
     """A line now and then."""
 
-    def __init__(self) -> None:
-        self.started = time.perf_counter()
-
     def say(self, text: str) -> None:
         """One line on the standard error."""
         sys.stderr.write(f"{text}\n")
@@ -76,7 +72,6 @@ class Plain(Interruptible):
     def expect(self, estimate: Estimate, steps: int) -> None:
         """See Observer."""
         self.say(expectation(estimate, steps))
-        self.started = time.perf_counter()
 
     def step(self, record: Record, steps: int, seconds: float) -> None:
         """See Observer."""
@@ -92,7 +87,6 @@ class Bar(Plain):
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-        super().__init__()
         self.console = Console(stderr=True)
         self.bar = Progress(
             TextColumn("Fitting"),

@@ -32,7 +32,6 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         metavar="CLOUD",
         type=Path,
         required=True,
-        default=argparse.SUPPRESS,
         help="cloud to write: .ply .xyz .txt .csv .npy",
     )
     verb.add_argument("--points", type=int, default=30_000, metavar="N", help="how many points")

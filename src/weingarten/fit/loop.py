@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
-from torch import nn
+from torch import Tensor, nn
 
 from weingarten.calculus.jet import Calculus
 from weingarten.fit.optimisers import Rate
@@ -19,8 +19,8 @@ from weingarten.scan.draws import Draws
 from weingarten.scan.sample import Sample
 from weingarten.terms.term import Term
 
-CHUNK = 1024
-"""Points a piece on the CPU: large enough for the matrix products, small enough for the cache."""
+CHUNK, GPU_CHUNK = 1024, 65536
+"""Points a piece: on a CPU enough for the matrix products and few enough for the cache, on a GPU many."""
 
 
 @dataclass(frozen=True)
@@ -92,14 +92,14 @@ class Loop:
         """Add the loss's gradient to the field's and return each term's mean residual."""
         samples = {name: s.to(self.device) for name, s in self.draws(self.points, self.generator).items()}
         counts = {term: sum(len(samples[name]) for name in term.domains) for term in weights}
-        sums = {term: torch.zeros((), dtype=torch.float64, device=self.device) for term in weights}
+        sums: dict[Term, Tensor | float] = dict.fromkeys(weights, 0.0)
         for name, sample in samples.items():
             terms = [term for term in weights if name in term.domains]
             angles = 2.0 * torch.pi * torch.rand(len(sample), generator=self.generator)
             order = max((term.order for term in terms if weights[term] > 0.0), default=0)
             for term in terms:
                 if term.order > order:
-                    sums[term] += float("nan")
+                    sums[term] = float("nan")
             terms = [term for term in terms if term.order <= order]
             if not terms:
                 continue
@@ -117,14 +117,14 @@ class Loop:
         terms: list[Term],
         weights: dict[Term, float],
         counts: dict[Term, int],
-        sums: dict[Term, torch.Tensor],
+        sums: dict[Term, Tensor | float],
     ) -> torch.Tensor:
         """This piece's share of the loss; adds its residuals to `sums`."""
         jet = self.calculus(piece.points, order, angles)
         loss = torch.zeros((), device=self.device)
         for term in terms:
             total = term.residual(jet, piece).sum()
-            sums[term] += total.detach()
+            sums[term] = sums[term] + total.detach()
             loss = loss + (weights[term] / counts[term]) * total
         return loss
 

@@ -7,7 +7,7 @@ import csv
 import json
 import math
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import tomli_w
@@ -25,6 +25,7 @@ from weingarten.summary import Summary
 Points = Float64[np.ndarray, "n 3"]
 
 
+@runtime_checkable
 class Keeper(Protocol):
     """Whoever keeps what a fit leaves behind."""
 

@@ -12,6 +12,7 @@ from jaxtyping import Int64
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from weingarten.io.coincident import coincident
 from weingarten.mesh import Mesh
 
 Faces = Int64[np.ndarray, "f 3"]
@@ -41,10 +42,12 @@ class Topology:
 def topology(mesh: Mesh) -> Topology:
     """The topology of a mesh in any frame."""
     faces = merged_faces(mesh)
-    directed = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, edge, uses = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    count = int(faces.max(initial=0)) + 1
+    undirected = np.minimum(start, end) * count + np.maximum(start, end)
+    _, edge, uses = np.unique(undirected, return_inverse=True, return_counts=True)
     watertight = bool(len(faces)) and bool((uses == 2).all())
-    oriented = len(np.unique(directed, axis=0)) == len(directed)
+    oriented = len(np.unique(start * count + end)) == len(start)
     first, second = half_edge_pairs(edge.reshape(-1))
     components = _parts(len(faces), first // 3, second // 3)[0]
     fans = corner_fans(faces, first, second)
@@ -65,8 +68,7 @@ def volume(mesh: Mesh) -> float:
 
 def merged_faces(mesh: Mesh) -> Faces:
     """Faces over the distinct vertex positions; those with two equal corners left out."""
-    _, index = np.unique(mesh.vertices + 0.0, axis=0, return_inverse=True)
-    faces = index.reshape(-1)[mesh.faces].astype(np.int64)
+    faces = coincident(mesh.vertices)[1][mesh.faces]
     a, b, c = faces.T
     return faces[(a != b) & (b != c) & (c != a)]
 

@@ -1,0 +1,286 @@
+"""`weingarten fit` and `weingarten mesh` from outside."""
+
+import csv
+import json
+import signal
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from command import SMALL, run, started, temporaries
+
+from weingarten.cli.main import main
+from weingarten.io.cloud_file import write_cloud
+from weingarten.io.mesh import read_mesh
+from weingarten.io.points import read_points
+from weingarten.metrics.topology import topology
+from weingarten.samples.parts import sample_part
+
+
+@pytest.fixture(scope="module")
+def cloud(tmp_path_factory) -> Path:
+    """A small scan of a bundled part."""
+    path = tmp_path_factory.mktemp("cloud") / "flange.ply"
+    write_cloud(path, sample_part("flange", 4000, 0))
+    return path
+
+
+@pytest.fixture(scope="module")
+def finished(cloud, tmp_path_factory) -> tuple[Path, str, str]:
+    """A finished small fit: its folder, standard output and error."""
+    folder = tmp_path_factory.mktemp("finished")
+    code, out, err = run(
+        "fit", cloud, "-o", folder / "part.stl", "--run", folder / "run", "--json", "--steps", 60, *SMALL
+    )
+    assert code == 0, err
+    return folder, out, err
+
+
+def test_writes_one_json_object_and_a_watertight_mesh_in_place(finished, cloud):
+    folder, out, err = finished
+    answer = json.loads(out)
+    assert answer["summary"]["steps"] == 60
+    assert answer["summary"]["finished"] is True
+    assert "Traceback" not in err
+    assert "About" in err
+    assert "step 60/60" in err
+    mesh, points = read_mesh(folder / "part.stl"), read_points(cloud)
+    assert topology(mesh).watertight
+    assert answer["summary"]["watertight"] is True
+    size = np.ptp(points, axis=0).max()
+    assert np.abs(mesh.bounds - [points.min(axis=0), points.max(axis=0)]).max() < 0.15 * size
+    assert not temporaries(folder)
+
+
+def test_run_folder_holds_what_it_should(finished):
+    folder = finished[0] / "run"
+    assert {path.name for path in folder.iterdir()} == {
+        "config.toml",
+        "loss.csv",
+        "checkpoint.safetensors",
+        "cloud.npy",
+        "mesh.ply",
+        "summary.json",
+    }
+    settings = tomllib.loads((folder / "config.toml").read_text())
+    assert settings["steps"] == 60
+    assert settings["method"] == "odw"
+    with (folder / "loss.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [int(row["step"]) for row in rows] == list(range(60))
+    first = rows[0]
+    names = ["dirichlet", "off_surface", "free_space", "eikonal", "off_diagonal_weingarten"]
+    total = sum(float(first[name]) * float(first[f"weight_{name}"]) for name in names)
+    assert float(first["loss"]) == pytest.approx(total, rel=1e-6)
+    summary = json.loads((folder / "summary.json").read_text())
+    assert 0 < summary["distance_mean"] <= summary["distance_p95"] <= summary["distance_max"]
+
+
+def test_same_input_and_seed_give_the_same_bytes(finished, cloud, tmp_path):
+    code, _, err = run("fit", cloud, "-o", tmp_path / "again.stl", "--quiet", "--steps", 60, *SMALL)
+    assert code == 0
+    assert err == ""
+    assert (tmp_path / "again.stl").read_bytes() == (finished[0] / "part.stl").read_bytes()
+    code, _, _ = run(
+        "fit", cloud, "-o", tmp_path / "other.stl", "--seed", 1, "--quiet", "--steps", 60, *SMALL
+    )
+    assert (tmp_path / "other.stl").read_bytes() != (finished[0] / "part.stl").read_bytes()
+
+
+def test_mesh_extracts_again_at_any_resolution(finished, tmp_path):
+    folder = finished[0]
+    code, out, _ = run("mesh", folder / "run", "-o", tmp_path / "same.stl", "--resolution", 48)
+    assert code == 0
+    assert "step 60 of 60" in out
+    assert (tmp_path / "same.stl").read_bytes() == (folder / "part.stl").read_bytes()
+    assert main(["mesh", str(folder / "run"), "-o", str(tmp_path / "fine.ply"), "--resolution", "80"]) == 0
+    assert len(read_mesh(tmp_path / "fine.ply").faces) > 2 * len(read_mesh(tmp_path / "same.stl").faces)
+
+
+@pytest.mark.slow
+def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud, tmp_path):
+    """Ten runs, each killed at a random step by signal 9 and resumed."""
+    rng = np.random.default_rng(0)
+    expected = (finished[0] / "part.stl").read_bytes()
+    for trial in range(10):
+        words = ["fit", cloud, "-o", tmp_path / f"{trial}.stl", "--run", tmp_path / f"run{trial}"]
+        words += ["--steps", 60, *SMALL]
+        process = started(*words)
+        last = rng.integers(1, 20)
+        assert process.stderr is not None
+        for line in process.stderr:
+            last -= line.startswith("step ")
+            if last <= 0:
+                break
+        process.kill()
+        process.communicate()
+        assert process.returncode == -signal.SIGKILL
+        code, _, err = run(*words, "--resume", "--quiet")
+        assert code == 0, err
+        assert (tmp_path / f"{trial}.stl").read_bytes() == expected
+
+
+@pytest.mark.parametrize("keeps", [True, False])
+def test_interrupt_leaves_checkpoint_mesh_and_advice(finished, cloud, tmp_path, keeps):
+    words = ["fit", cloud, "-o", tmp_path / "part.stl", "--steps", 60, *SMALL]
+    process = started(*words, *(["--run", tmp_path / "part.run"] if keeps else []))
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("step 30/"):
+            process.send_signal(signal.SIGINT)
+            break
+    _, err = process.communicate()
+    assert process.returncode == 130
+    assert "go on with" in err
+    assert "--resume" in err
+    assert topology(read_mesh(tmp_path / "part.stl")).watertight
+    summary = json.loads((tmp_path / "part.run" / "summary.json").read_text())
+    assert summary["finished"] is False
+    assert 30 <= summary["steps"] < 60
+    code, _, err = run(*words, "--run", tmp_path / "part.run", "--resume")
+    assert code == 0, err
+    assert (tmp_path / "part.stl").read_bytes() == (finished[0] / "part.stl").read_bytes()
+
+
+def write_rows(path: Path, rows: np.ndarray) -> Path:
+    """Rows of numbers as text."""
+    np.savetxt(path, rows)
+    return path
+
+
+def clouds() -> dict[str, np.ndarray]:
+    """Arrays no part can be fitted to."""
+    rng = np.random.default_rng(0)
+    points = rng.random((1000, 3))
+    spoilt = points.copy()
+    spoilt[:50] = np.nan
+    return {
+        "few": points[:50],
+        "identical": np.ones((1000, 3)),
+        "collinear": points[:, :1] * [[1.0, 2.0, 3.0]],
+        "coplanar": points * [[1.0, 1.0, 0.0]],
+        "not finite": spoilt,
+    }
+
+
+@pytest.mark.parametrize("name", clouds())
+def test_clouds_that_hold_no_part(name, tmp_path, capsys):
+    path = write_rows(tmp_path / "cloud.xyz", clouds()[name])
+    refused(["fit", path, "-o", tmp_path / "part.stl"], tmp_path, capsys)
+
+
+def refused(words: list, folder: Path, capsys) -> str:
+    """Check for exit code 2, one sentence, no traceback, an earlier output in place; return the sentence."""
+    earlier = folder / "part.stl"
+    earlier.write_text("earlier")
+    assert main([str(word) for word in words]) == 2
+    error = capsys.readouterr().err
+    sentences = [line for line in error.splitlines() if line.startswith("weingarten ")]
+    assert len(sentences) == 1
+    assert sentences[0].endswith(".")
+    assert "Traceback" not in error
+    assert earlier.read_text() == "earlier"
+    assert not temporaries(folder)
+    return sentences[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--preset", "best"], "standard, fine, paper"),
+        (["--method", "magic"], "odw-paper"),
+        (["--schedule", "cubic"], "quintic"),
+        (["--knots", "0:10,0.5"], "time:weight"),
+        (["--knots", "0.5:1,0.2:1"], "order"),
+        (["--knots", "0:1,1.5:1"], "[0, 1]"),
+        (["--knots", "0:-1,1:0"], "negative"),
+        (["--seed", "-1"], "--seed"),
+        (["--steps", "0"], "--steps"),
+        (["--points-per-step", "0"], "--points-per-step"),
+        (["--resolution", "2"], "--resolution"),
+        (["--device", "gpu"], "auto"),
+        (["--device", "cuda"], "cuda"),
+        (["--resume"], "--run"),
+    ],
+)
+def test_options_out_of_range(options, said, cloud, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    assert said in refused(["fit", cloud, "-o", tmp_path / "part.stl", *options], tmp_path, capsys)
+
+
+def test_files_that_cannot_be_read_or_written(cloud, tmp_path, capsys):
+    part = tmp_path / "part.stl"
+    assert "missing.ply" in refused(["fit", tmp_path / "missing.ply", "-o", part], tmp_path, capsys)
+    (tmp_path / "empty.ply").touch()
+    assert "empty.ply" in refused(["fit", tmp_path / "empty.ply", "-o", part], tmp_path, capsys)
+    (tmp_path / "cut.ply").write_bytes(cloud.read_bytes()[:5000])
+    assert "cut.ply" in refused(["fit", tmp_path / "cut.ply", "-o", part], tmp_path, capsys)
+    assert "part.step" in refused(["fit", cloud, "-o", tmp_path / "part.step"], tmp_path, capsys)
+    assert "nowhere" in refused(["fit", cloud, "-o", tmp_path / "nowhere" / "part.stl"], tmp_path, capsys)
+    picture = ["--picture", tmp_path / "nowhere" / "part.png"]
+    assert "nowhere" in refused(["fit", cloud, "-o", part, *picture], tmp_path, capsys)
+
+
+def test_checkpoints_that_do_not_fit(finished, cloud, tmp_path, capsys):
+    part, folder = tmp_path / "part.stl", tmp_path / "run"
+    words = ["fit", cloud, "-o", part, "--run", folder, "--resume", "--steps", 60, *SMALL]
+    assert "no checkpoint" in refused(words, tmp_path, capsys)
+    for name in ("checkpoint.safetensors", "cloud.npy", "loss.csv"):
+        (folder / name).write_bytes((finished[0] / "run" / name).read_bytes())
+    assert "seed" in refused([*words, "--seed", 1], tmp_path, capsys)
+    other = write_rows(tmp_path / "other.xyz", sample_part("bracket", 4000, 0))
+    assert "another cloud" in refused([words[0], other, *words[2:]], tmp_path, capsys)
+    for damaged in (b"not a checkpoint", (folder / "checkpoint.safetensors").read_bytes()[:1000]):
+        (folder / "checkpoint.safetensors").write_bytes(damaged)
+        assert "corrupted" in refused(words, tmp_path, capsys)
+        assert "corrupted" in refused(["mesh", folder, "-o", part], tmp_path, capsys)
+    assert "no run folder" in refused(["mesh", tmp_path / "none", "-o", part], tmp_path, capsys)
+
+
+def test_few_bad_rows_and_duplicates_are_said_and_survived(cloud, tmp_path):
+    points = read_points(cloud)
+    spoilt = np.concatenate([points, points[:100], np.full((5, 3), np.nan)])
+    path = write_rows(tmp_path / "cloud.csv", spoilt)
+    code, out, err = run("fit", path, "-o", tmp_path / "part.ply", "--json", "--steps", 20, *SMALL)
+    assert code == 0
+    notes = json.loads(out)["summary"]["notes"]
+    assert any("not finite" in note for note in notes)
+    assert any("merged" in note for note in notes)
+    assert sum(line.startswith("Note:") for line in err.splitlines()) >= 2
+
+
+def test_oracle_stops_early_and_keeps_the_best(cloud, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("weingarten.oracle.EVERY", 10)
+    monkeypatch.setattr("weingarten.oracle.PATIENCE", 10)
+    monkeypatch.setattr("weingarten.oracle.RESOLUTION", 32)
+    chamfers = iter([3.0, 1.0, 2.0])
+    monkeypatch.setattr("weingarten.oracle.Oracle.chamfer", lambda *_: next(chamfers))
+    words = ["fit", str(cloud), "-o", str(tmp_path / "part.stl"), "--run", str(tmp_path / "run"), "--json"]
+    assert main([*words, "--oracle", "bundled:flange", "--steps", "100", *SMALL]) == 0
+    summary = json.loads(capsys.readouterr().out)["summary"]
+    assert summary["steps"] == 30
+    assert summary["finished"] is True
+
+
+def test_doctor_says_what_there_is():
+    code, out, _ = run("doctor", "--json")
+    assert code == 0
+    found = json.loads(out)
+    assert {"standard", "fine", "paper"} == set(found["presets"])
+    assert found["versions"]["torch"] != "MISSING"
+    assert all(cost["seconds"] > 0 for cost in found["presets"].values())
+
+
+def test_help_is_one_screen_and_needs_no_torch():
+    code, out, _ = run("--help")
+    assert code == 0
+    assert len(out.splitlines()) < 40
+    probe = "import sys; import weingarten.cli.main as m; m.parser(); print('torch' in sys.modules)"
+    import subprocess
+
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,96 @@
+"""The library's front door: units, fields of one's own, the field in world units."""
+
+import numpy as np
+import pytest
+import torch
+from torch import nn
+
+import weingarten as wg
+from weingarten.frame import Frame
+from weingarten.metrics.topology import topology
+from weingarten.samples.parts import part_mesh, sample_part
+from weingarten.world_field import WorldField
+
+SHORT = {"steps": 150, "points": 300, "resolution": 48}
+
+
+def ball(count: int, radius: float, centre: float) -> np.ndarray:
+    """Points on a sphere."""
+    directions = np.random.default_rng(0).normal(size=(count, 3))
+    return radius * directions / np.linalg.norm(directions, axis=1, keepdims=True) + centre
+
+
+@pytest.mark.parametrize(("radius", "centre"), [(1.0, 0.0), (0.5, 1e6), (5e-6, 0.0), (5e-6, 1e-3)])
+def test_mesh_comes_back_in_the_clouds_frame_and_unit(radius, centre):
+    points = ball(3000, radius, centre)
+    result = wg.reconstruct(points, wg.resolve(**SHORT))
+    mesh = result.mesh
+    assert topology(mesh).watertight
+    np.testing.assert_allclose(mesh.bounds[0] - centre, -radius, rtol=0.25)
+    np.testing.assert_allclose(mesh.bounds[1] - centre, radius, rtol=0.25)
+    distance = np.abs(np.linalg.norm(mesh.vertices - centre, axis=1) - radius)
+    assert np.median(distance) < 0.05 * radius
+    assert result.summary.volume == pytest.approx(4 / 3 * np.pi * radius**3, rel=0.15)
+
+
+def test_the_same_part_in_another_unit_is_the_same_mesh():
+    points = ball(2000, 1.0, 0.0)
+    here = wg.reconstruct(points, wg.resolve(**SHORT)).mesh
+    there = wg.reconstruct(points * 1024.0, wg.resolve(**SHORT)).mesh
+    np.testing.assert_array_equal(here.faces, there.faces)
+    np.testing.assert_allclose(there.vertices, here.vertices * 1024.0, rtol=1e-12, atol=1e-9)
+
+
+class Ball(nn.Module):
+    """A sphere's exact field whose radius is learned."""
+
+    def __init__(self, radius: float) -> None:
+        super().__init__()
+        self.radius = nn.Parameter(torch.tensor(radius))
+
+    def forward(self, points: torch.Tensor) -> torch.Tensor:
+        return points.norm(dim=-1) - self.radius
+
+
+def test_any_torch_module_can_be_fitted():
+    module = Ball(0.9)
+    result = wg.reconstruct(
+        ball(2000, 10.0, 3.0), wg.resolve(steps=300, points=100, resolution=32), module=module
+    )
+    # distances to the nearest of 2,000 samples exceed those to the sphere by some 0.02
+    assert float(module.radius.detach()) == pytest.approx(1.0, abs=0.03)
+    assert result.summary.genus == 0
+
+
+def test_field_gives_distance_gradient_and_curvature_in_world_units():
+    frame = Frame((100.0, 0.0, -50.0), 20.0)
+    field = WorldField(Ball(0.5), frame)
+    points = np.array([[115.0, 0.0, -50.0], [100.0, 5.0, -50.0], [100.0, 0.0, -30.0]])
+    sample = field(points)
+    np.testing.assert_allclose(sample.distance, [5.0, -5.0, 10.0], atol=1e-5)
+    np.testing.assert_allclose(sample.gradient, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], atol=1e-6)
+    np.testing.assert_allclose(sample.curvatures[:, 0], [1 / 15, 1 / 5, 1 / 20], rtol=1e-4)
+    np.testing.assert_allclose(sample.curvatures[:, 1], [1 / 15, 1 / 5, 1 / 20], rtol=1e-4)
+    assert field(np.empty((0, 3))).gradient.shape == (0, 3)
+
+
+@pytest.mark.slow
+def test_standard_preset_on_a_bundled_part():
+    """What a user gets by default: the right topology, and a mesh within a thousandth of the points."""
+    result = wg.reconstruct(sample_part("bracket", 15_000, 0))
+    truth = topology(part_mesh("bracket", 128))
+    summary = result.summary
+    assert summary.watertight
+    assert (summary.components, summary.genus) == (truth.components, truth.genus)
+    assert summary.distance_mean < 1e-3 * summary.diagonal
+    assert summary.distance_p95 < 5e-3 * summary.diagonal
+    assert summary.volume == pytest.approx(truth.volume, rel=0.01)
+
+
+def test_names_of_the_public_api():
+    for name in wg.__all__:
+        assert getattr(wg, name) is not None
+    assert callable(wg.reconstruct)
+    assert callable(wg.reconstruct)
+    with pytest.raises(AttributeError, match="no attribute"):
+        _ = wg.nothing

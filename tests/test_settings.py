@@ -1,0 +1,62 @@
+"""Presets resolve to plain values, and back from a file's."""
+
+import pytest
+
+from weingarten.errors import OptionError
+from weingarten.schedules.schedule import DECREASING, INCREASING, SCHEDULES
+from weingarten.settings import PRESETS, Settings, resolve
+from weingarten.terms.free_space import FREE_SPACE
+
+
+def test_the_paper_preset_is_the_papers():
+    settings = resolve(preset="paper")
+    assert (settings.steps, settings.points, settings.optimiser, settings.rate) == (
+        10_000,
+        20_000,
+        "adam",
+        5e-5,
+    )
+    assert (settings.shape, settings.knots, settings.decay, settings.clip) == (
+        "quintic",
+        DECREASING,
+        "steady",
+        10.0,
+    )
+    terms = settings.resolved_method().terms
+    assert FREE_SPACE not in terms
+    assert {term.name: weight(0.0) for term, weight in terms.items()} == {
+        "dirichlet": 7000.0,
+        "off_surface": 600.0,
+        "eikonal": 50.0,
+        "off_diagonal_weingarten": 10.0,
+    }
+
+
+@pytest.mark.parametrize("name", SCHEDULES)
+def test_schedules_of_the_paper_preset_are_the_papers(name):
+    method = resolve(preset="paper", schedule=name).resolved_method()
+    assert [method.terms[method.scheduled](t) for t in (0.0, 0.3, 0.7)] == pytest.approx(
+        [SCHEDULES[name](t) for t in (0.0, 0.3, 0.7)]
+    )
+
+
+def test_a_schedule_of_another_method_has_that_methods_greatest_weight():
+    settings = resolve(schedule="increasing")
+    assert [t for t, _ in settings.knots] == [t for t, _ in INCREASING]
+    assert [w for _, w in settings.knots] == pytest.approx([0.3 * w for _, w in INCREASING])
+    assert resolve(schedule="increasing", knots=((0.0, 2.0),)).knots == ((0.0, 2.0),)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_settings_survive_a_file(preset):
+    settings = resolve(preset=preset, seed=3, steps=7)
+    assert Settings.from_dict(settings.as_dict()) == settings
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"preset": "x"}, {"method": "x"}, {"schedule": "x"}, {"seed": -1}, {"steps": 0}, {"resolution": 5}],
+)
+def test_values_out_of_range(wrong):
+    with pytest.raises(OptionError):
+        resolve(**wrong)
