@@ -8,7 +8,7 @@ from jaxtyping import Float, Float64
 from scipy.spatial import KDTree
 from torch import Tensor
 
-from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.free_space import CLEARANCE, FreeSpace
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
 REACH = 1.1
@@ -20,7 +20,7 @@ NEIGHBOURS = 50
 POOL = 200_000
 """Off-surface points whose signed distance is worked out once, before the first step."""
 
-FAR, SPREAD = 0.3, 0.1
+FAR, SPREAD = 0.3, 0.06
 """Share of them that is uniform in the box; how far about the cloud the others lie, unit lengths."""
 
 
@@ -86,8 +86,9 @@ class SignedDraws(CloudDraws):
         pool = torch.cat([far, close[: POOL - len(far)]])
         signs = space.signs(positions(pool))
         distance = np.full(len(pool), np.nan, dtype=np.float32)
-        told = signs != 0
-        distance[told] = signs[told] * tree.query(positions(pool)[told], workers=-1)[0]
+        told = np.flatnonzero(signs)
+        gap = tree.query(positions(pool)[told], workers=-1)[0]
+        distance[told] = np.where(gap > CLEARANCE * space.shell, signs[told] * gap, np.nan)
         self.pool = pool
         self.distance = torch.from_numpy(distance)
 

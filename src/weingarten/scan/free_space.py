@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int8, Int32
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import binary_dilation, distance_transform_edt, label
 from scipy.spatial import KDTree
 
 SHELLS = (1.65, 2.0, 2.4)
@@ -24,6 +24,9 @@ samples is about 1.2 of them."""
 
 THIN_SHELL = 0.9
 """The thinner shell, in τ."""
+
+CLEARANCE = 0.75
+"""A room's label reaches into the shell up to this distance from the points, in τ: no hole is so large."""
 
 CELLS = 160
 """Cells along a side of the box at most."""
@@ -74,6 +77,8 @@ class FreeSpace:
                 "side, or the surface is open; fewer signs are taken from free space.",
             )
         outside &= open_views(rooms > 0) >= (LEAST_VIEWS if inside.any() else MANY_VIEWS)
+        beside = distance > CLEARANCE * shell
+        outside, inside = binary_dilation(outside, mask=beside), binary_dilation(inside, mask=beside)
         return cls(outside.astype(np.int8) - inside.astype(np.int8), -reach, cell, shell, notes)
 
     def signs(self, points: Float64[np.ndarray, "n 3"]) -> Int8[np.ndarray, " n"]:
@@ -95,7 +100,8 @@ def grid_distance(
     occupied = np.zeros((count, count, count), dtype=bool)
     occupied[tuple(np.clip(((points + reach) / cell).astype(np.int64), 0, count - 1).T)] = True
     distance = gaps(occupied, cell)
-    near = np.abs(distance - 0.95 * shell) < 0.05 * shell + np.sqrt(0.75) * cell
+    middle, half = 0.5 * (1.0 + CLEARANCE) * shell, 0.5 * (1.0 - CLEARANCE) * shell
+    near = np.abs(distance - middle) < half + np.sqrt(0.75) * cell
     centres = cell * (np.argwhere(near) + 0.5) - reach
     distance[near] = tree.query(centres, workers=-1)[0]
     return distance
