@@ -8,7 +8,7 @@ from jaxtyping import Float, Float64
 from scipy.spatial import KDTree
 from torch import Tensor
 
-from weingarten.scan.free_space import CLEARANCE, FreeSpace
+from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
 REACH = 1.1
@@ -80,17 +80,10 @@ class SignedDraws(CloudDraws):
         far = uniform_in_box(int(FAR * POOL), generator)
         about = torch.randint(len(self.points), (2 * POOL,), generator=generator)
         close = self.points[about] + SPREAD * torch.randn(len(about), 3, generator=generator)
-        close = close[
-            (close.abs().amax(dim=1) < REACH) & torch.from_numpy(space.signs(positions(close)) != 0)
-        ]
-        pool = torch.cat([far, close[: POOL - len(far)]])
-        signs = space.signs(positions(pool))
-        distance = np.full(len(pool), np.nan, dtype=np.float32)
-        told = np.flatnonzero(signs)
-        gap = tree.query(positions(pool)[told], workers=-1)[0]
-        distance[told] = np.where(gap > CLEARANCE * space.shell, signs[told] * gap, np.nan)
-        self.pool = pool
-        self.distance = torch.from_numpy(distance)
+        labelled = torch.from_numpy(space.signs(positions(close)) != 0)
+        close = close[labelled & (close.abs().amax(dim=1) < REACH)]
+        self.pool = torch.cat([far, close[: POOL - len(far)]])
+        self.distance = torch.from_numpy(space.signed_distance(positions(self.pool)))
 
     def off_surface(self, count: int, generator: torch.Generator) -> Sample:
         """Points of the pool, with signed distance or NaN."""

@@ -40,8 +40,12 @@ OUTSIDE = 1
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Labels of a cubic grid over the box: +1 outside, −1 inside, 0 unknown; all in the unit frame."""
+    """Labels of a cubic grid over the box: +1 outside, −1 inside, 0 unknown; all in the unit frame.
 
+    tree: of the cloud. shell: τ. notes: what the user should know of the signs.
+    """
+
+    tree: KDTree
     labels: Int8[np.ndarray, "a b c"]
     lower: float
     cell: float
@@ -79,13 +83,25 @@ class FreeSpace:
         outside &= open_views(rooms > 0) >= (LEAST_VIEWS if inside.any() else MANY_VIEWS)
         beside = distance > CLEARANCE * shell
         outside, inside = binary_dilation(outside, mask=beside), binary_dilation(inside, mask=beside)
-        return cls(outside.astype(np.int8) - inside.astype(np.int8), -reach, cell, shell, notes)
+        return cls(tree, outside.astype(np.int8) - inside.astype(np.int8), -reach, cell, shell, notes)
 
     def signs(self, points: Float64[np.ndarray, "n 3"]) -> Int8[np.ndarray, " n"]:
-        """+1, −1 or 0 (unknown) at points of the box."""
+        """+1, −1 or 0 (unknown): the labels of the cells that points of the box lie in."""
         top = len(self.labels) - 1
         index = np.clip(((points - self.lower) / self.cell).astype(np.int64), 0, top)
         return self.labels[tuple(index.T)]
+
+    def signed_distance(self, points: Float64[np.ndarray, "n 3"]) -> Float32[np.ndarray, " n"]:
+        """Distance to the nearest point of the cloud with the cell's sign; NaN where nothing is certain.
+
+        A cell's label need not hold in all of the cell, so a point must itself keep CLEARANCE from the cloud.
+        """
+        signs = self.signs(points)
+        told = np.flatnonzero(signs)
+        gap = self.tree.query(points[told], workers=-1)[0]
+        distance = np.full(len(points), np.nan, dtype=np.float32)
+        distance[told] = np.where(gap > CLEARANCE * self.shell, signs[told] * gap, np.nan)
+        return distance
 
     @property
     def known_inside(self) -> float:
