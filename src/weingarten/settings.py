@@ -70,7 +70,7 @@ class Preset:
 STANDARD = Preset(
     "signs from free space, Muon: a part in under a minute on two cores",
     method="odw",
-    steps=400,
+    steps=500,
     points=1000,
     optimiser="muon",
     rate=5e-4,
