@@ -43,6 +43,11 @@ class Method:
     source: str
     scheduled: Term = OFF_DIAGONAL_WEINGARTEN
 
+    @property
+    def schedule(self) -> Schedule:
+        """The weight of the scheduled term."""
+        return self.terms[self.scheduled]
+
     def with_schedule(self, schedule: Schedule) -> "Method":
         """The same method with another weight of its scheduled term."""
         return replace(self, terms={**self.terms, self.scheduled: schedule})
@@ -51,7 +56,7 @@ class Method:
         """The paper's schedule of that name, scaled so that its greatest weight is this method's."""
         if name not in SCHEDULES:
             raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
-        return SCHEDULES[name].scaled(self.terms[self.scheduled].greatest / SCHEDULES[name].greatest)
+        return SCHEDULES[name].scaled(self.schedule.greatest / SCHEDULES[name].greatest)
 
 
 PAPER_TERMS = {

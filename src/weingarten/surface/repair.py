@@ -1,4 +1,4 @@
-"""Removal of ghosts: closed pieces of the zero set far from every point of the scan."""
+"""Removal of ghosts: closed pieces of the zero set that no points of the scan support."""
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int
