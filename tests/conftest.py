@@ -5,10 +5,16 @@ One torch thread, so that float32 sums add up in the same order on every machine
 
 import pytest
 import torch
+from hypothesis import HealthCheck, settings
 from jaxtyping import install_import_hook
 
 HOOK = install_import_hook("weingarten", "beartype.beartype")
 torch.set_num_threads(1)
+# A busy machine is slow, not wrong; and the same examples everywhere make a failure one that can be repeated.
+settings.register_profile(
+    "steady", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+settings.load_profile("steady")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
