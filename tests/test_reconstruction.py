@@ -11,7 +11,7 @@ from weingarten.metrics.topology import topology
 from weingarten.samples.parts import part_mesh, sample_part
 from weingarten.world_field import WorldField
 
-SHORT = {"steps": 150, "points": 300, "resolution": 48}
+SHORT = {"steps": 300, "points": 400, "resolution": 48}
 
 
 def ball(count: int, radius: float, centre: float) -> np.ndarray:
