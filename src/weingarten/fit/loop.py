@@ -19,7 +19,7 @@ from weingarten.scan.draws import Draws
 from weingarten.scan.sample import Sample
 from weingarten.terms.term import Term
 
-CHUNK, GPU_CHUNK = 1024, 65536
+CHUNK, GPU_CHUNK = 2048, 65536
 """Points a piece: on a CPU enough for the matrix products and few enough for the cache, on a GPU many."""
 
 
