@@ -9,7 +9,7 @@ import numpy as np
 from torch import Tensor
 
 from weingarten.errors import ExtractionError
-from weingarten.fit.checkpoint import Checkpoint, Origin
+from weingarten.fit.checkpoint import KEPT, Checkpoint, Origin
 from weingarten.fit.loop import Loop
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import PUBLISHED
@@ -61,7 +61,7 @@ class Oracle:
 
     def tensors(self) -> dict[str, Tensor]:
         """The kept weights, for the checkpoint."""
-        return {f"oracle.{name}": value for name, value in self.weights.items()}
+        return {f"{KEPT}{name}": value for name, value in self.weights.items()}
 
     def extra(self) -> dict[str, object]:
         """The rest of the state, for the checkpoint's header."""
@@ -72,4 +72,4 @@ class Oracle:
         best = found.extra.get("oracle_best")
         if isinstance(best, float):
             self.best, self.best_step = best, int(str(found.extra["oracle_step"]))
-            self.weights = {n[7:]: value for n, value in found.tensors.items() if n.startswith("oracle.")}
+            self.weights = found.kept_state()

@@ -260,7 +260,7 @@ def remesh(
     settings, frame = found.origin.settings, found.origin.frame
     field = Siren(settings.width, settings.depth, settings.frequency)
     try:
-        field.load_state_dict(found.field_state())
+        field.load_state_dict(found.kept_state() or found.field_state())
     except RuntimeError as error:
         raise CheckpointError(
             "The run was fitted with a network of its own; extract it in Python."

@@ -264,6 +264,9 @@ def test_oracle_stops_early_and_keeps_the_best(cloud, tmp_path, monkeypatch, cap
     summary = json.loads(capsys.readouterr().out)["summary"]
     assert summary["steps"] == 30
     assert summary["finished"] is True
+    again = ["mesh", str(tmp_path / "run"), "-o", str(tmp_path / "again.stl")]
+    assert main(again) == 0
+    assert (tmp_path / "again.stl").read_bytes() == (tmp_path / "part.stl").read_bytes()
 
 
 def test_doctor_says_what_there_is():

@@ -19,7 +19,9 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     )
     verb.add_argument("folder", metavar="RUN", type=Path, help="run folder of `weingarten fit --run`")
     verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
-    verb.add_argument("--resolution", type=int, metavar="N", default=256, help="cells along the longest side")
+    verb.add_argument(
+        "--resolution", type=int, metavar="N", help="cells along the longest side; as in the fit by default"
+    )
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
     verb.set_defaults(run=run)
@@ -34,11 +36,13 @@ def run(arguments: argparse.Namespace) -> int:
     from weingarten.reconstruction import remesh
     from weingarten.settings import check_range
 
-    check_range("--resolution", arguments.resolution, 8, 4096)
+    if arguments.resolution is not None:
+        check_range("--resolution", arguments.resolution, 8, 4096)
     check_mesh_path(arguments.output)
     keep_freed_memory()
     found, points = opened(arguments.folder)
-    mesh, notes = remesh(found, points, arguments.resolution, chosen_device(arguments.device))
+    resolution = arguments.resolution or found.origin.settings.resolution
+    mesh, notes = remesh(found, points, resolution, chosen_device(arguments.device))
     notes += write_mesh(arguments.output, mesh)
     for note in notes:
         sys.stderr.write(f"Note: {note}\n")

@@ -22,6 +22,9 @@ from weingarten.settings import Settings
 
 FORMAT = "weingarten-1"
 
+KEPT = "kept."
+"""Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
+
 
 @dataclass(frozen=True)
 class Origin:
@@ -46,6 +49,10 @@ class Checkpoint:
     def field_state(self) -> dict[str, Tensor]:
         """The field's weights, for load_state_dict."""
         return prefixed(self.tensors, "field.")
+
+    def kept_state(self) -> dict[str, Tensor]:
+        """The weights kept for the mesh; empty where the last ones are meant."""
+        return prefixed(self.tensors, KEPT)
 
     def restore(self, loop: Loop) -> None:
         """Bring a fresh loop of the same settings to this state, to the bit."""
