@@ -46,9 +46,8 @@ class Oracle:
     def chamfer(self, loop: Loop, origin: Origin) -> float:
         """Of the present field's mesh; infinite where there is none."""
         try:
-            mesh = extract(
-                field_values(loop.field), np.array(origin.lower), np.array(origin.upper), RESOLUTION
-            )
+            values = field_values(loop.field, loop.crew)
+            mesh = extract(values, np.array(origin.lower), np.array(origin.upper), RESOLUTION)
         except ExtractionError:
             return float("inf")
         world = Mesh(origin.frame.to_world(mesh.vertices), mesh.faces)

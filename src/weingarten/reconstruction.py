@@ -10,6 +10,7 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 from torch import nn
 
+from weingarten.crew import crew_for
 from weingarten.device import chosen_device
 from weingarten.errors import CheckpointError, FitError
 from weingarten.fields.siren import Siren
@@ -178,18 +179,20 @@ def first_loop(
         draws, notes = SignedDraws(unit, tree, space, generator), space.notes
     else:
         draws = CloudDraws(unit, tree)
+    crew = crew_for(device)
     loop = Loop(
         field=network,
         method=method,
         draws=draws,
         generator=generator,
-        optimisers=OPTIMISERS[settings.optimiser](network, settings.rate),
+        optimisers=OPTIMISERS[settings.optimiser](network, crew),
         rate=RATES[settings.decay],
         base_rate=settings.rate,
         steps=settings.steps,
         points=settings.points,
         clip=settings.clip,
         chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
+        crew=crew,
     )
     return loop, notes
 
@@ -243,9 +246,8 @@ def fit(
 
 def surface(module: nn.Module, origin: Origin, unit: Points, resolution: int) -> tuple[Mesh, tuple[str, ...]]:
     """The field's surface without ghosts, unit frame, and notes on what was done to it."""
-    found = extraction(
-        field_values(module), np.array(origin.lower), np.array(origin.upper), resolution, batch=2048
-    )
+    values = field_values(module, crew_for(next(module.parameters()).device))
+    found = extraction(values, np.array(origin.lower), np.array(origin.upper), resolution, batch=1 << 17)
     mesh = drop_ghosts(found.mesh, unit)
     if len(mesh.faces) == len(found.mesh.faces):
         return mesh, found.notes

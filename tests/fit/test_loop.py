@@ -6,6 +6,8 @@ from dataclasses import replace
 import pytest
 import torch
 
+from weingarten.calculus.autodiff import Autodiff
+from weingarten.crew import Crew, Threads
 from weingarten.fit.loop import Record, run
 from weingarten.fit.optimisers import adam, cosine, muon, steady
 from weingarten.methods import METHODS
@@ -123,7 +125,7 @@ def test_the_same_seed_gives_the_same_fit_to_the_bit(make_loop, builder):
     for noise in (0, 1):
         torch.manual_seed(noise)
         loop = make_loop(PAPER, **SMALL)
-        loop.optimisers = builder(loop.field, 5e-5)
+        loop.optimisers = builder(loop.field, loop.crew)
         curves.append([loop.advance().loss for _ in range(10)])
     assert curves[0] == curves[1]
 
@@ -167,7 +169,7 @@ def test_a_field_that_is_no_siren_is_fitted_by_autograd(make_loop, draws, genera
 
     loop = make_loop(PAPER, **SMALL)
     loop.field = Network()
-    loop.optimisers = muon(loop.field, 1e-3)
+    loop.optimisers = muon(loop.field, loop.crew)
     loop.base_rate = 1e-3
     loop.__post_init__()
     losses = [loop.advance().loss for _ in range(10)]
@@ -189,3 +191,44 @@ def test_the_schedule_spans_the_fit(make_loop):
     loop = make_loop(method, **SMALL)
     seen = [loop.advance().weights["off_diagonal_weingarten"] for _ in range(10)]
     assert seen == [3.0] * 5 + [2.0] * 4 + [0.0]
+
+
+def test_a_step_is_the_same_to_the_bit_however_many_threads_there_are(make_loop, signed_draws):
+    moved = []
+    for crew in (Crew(), Threads(1), Threads(3)):
+        loop = make_loop(METHODS["odw"], draws=signed_draws, chunk=16, crew=crew, **SMALL)
+        loop.optimisers = muon(loop.field, crew)
+        losses = []
+        run(loop, lambda record, _, losses=losses: losses.append(record.loss))
+        moved.append((losses, [weight.detach() for weight in loop.field.parameters()]))
+    (losses, weights), *others = moved
+    for other_losses, other_weights in others:
+        assert other_losses == losses
+        assert all(torch.equal(one, other) for one, other in zip(weights, other_weights, strict=True))
+
+
+@pytest.mark.parametrize("share", [0.3, 1e-9])
+def test_a_term_with_a_share_sees_the_first_points_alone(make_loop, share):
+    partial = replace(ODW, share=share)
+    terms = {partial if term is ODW else term: weight for term, weight in PAPER.terms.items()}
+    loop = make_loop(replace(PAPER, terms=terms, scheduled=partial), double=True, **SMALL)
+    generator = torch.Generator()
+    generator.set_state(loop.generator.get_state())
+    samples = loop.draws(50, generator)
+    angles = {name: 2 * torch.pi * torch.rand(50, generator=generator) for name in samples}
+    count = max(1, round(50 * share))
+    jet = Autodiff(loop.field)(samples[NEAR].points[:count], 2, angles[NEAR][:count].double())
+    expected = float(jet.shape_operator[1].detach().abs().mean())
+    means = loop.accumulate(weights_at(loop, 0.0))
+    assert means["off_diagonal_weingarten"] == pytest.approx(expected, rel=1e-6)
+    whole = make_loop(PAPER, double=True, **SMALL)
+    for name, mean in whole.accumulate(weights_at(whole, 0.0)).items():
+        if name != "off_diagonal_weingarten":
+            assert means[name] == pytest.approx(mean, rel=1e-10)
+
+
+def test_a_term_of_weight_zero_on_fewer_points_is_not_told(make_loop):
+    partial = replace(ODW, share=0.3)
+    terms = {partial if term is ODW else term: weight for term, weight in PAPER.terms.items()}
+    silent = replace(PAPER, terms=terms, scheduled=partial).with_schedule(constant(0.0))
+    assert math.isnan(make_loop(silent, **SMALL).advance().terms["off_diagonal_weingarten"])

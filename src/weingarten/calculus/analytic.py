@@ -8,13 +8,13 @@ Method §3. Layer l = 0 … L−1 of a SIREN, with ω folded into V = ωW and c 
     aᵀ H b = −Σ_l λ_l sin z_l · t_l(a) · t_l(b)
 
 All are ordinary products, so a training step needs one backward pass and no double backward. A bar is a
-cotangent: z̄ = ∂loss/∂z. Every stream's part of ∂loss/∂V_l is an outer product, so they are stacked by rows,
+cotangent: z̄ = ∂loss/∂z. Every stream gives ∂loss/∂V_l one outer product,
 
-    ∂loss/∂V_l = leftᵀ right,   left = [z̄_l; δ_l; t̄_l(u); t̄_l(v)]
-                                right = [a_{l−1}; λ̄_{l−1}; p_{l−1}(u); p_{l−1}(v)]
+    ∂loss/∂V_l = z̄_l a_{l−1}ᵀ + δ_l λ̄_{l−1}ᵀ + t̄_l(u) p_{l−1}(u)ᵀ + t̄_l(v) p_{l−1}(v)ᵀ.
 
-and cost one product. Arithmetic, in forward passes a point: value 1 + 2, with gradient 2 + 4, with the
-tangent block 4 + 8.
+A stream is an array (width, n), a column a point: as the formulas above are written, and so that neither
+these products nor those with V and Vᵀ have to copy a transpose of n columns. Arithmetic, in forward passes a
+point: value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8.
 """
 
 from typing import Any
@@ -24,12 +24,10 @@ from jaxtyping import Float
 from torch import Tensor
 
 from weingarten.calculus.buffers import Buffers
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Jet, tangent_frame
-from weingarten.calculus.product import affine, product
+from weingarten.calculus.jet import GRADIENT, TANGENT, Jet, tangent_frame
+from weingarten.calculus.product import product
+from weingarten.calculus.sine import cos, sin
 from weingarten.fields.siren import Siren
-
-STREAMS = {VALUE: 1, GRADIENT: 2, TANGENT: 4}
-"""Rows of n points in `left` and `right`: forward; reverse; the tangents u and v."""
 
 
 class Analytic:
@@ -76,7 +74,7 @@ class _Jet(torch.autograd.Function):
         if order >= GRADIENT:
             outputs.append(tape.reverse())
         if order >= TANGENT:
-            outputs += tape.push(torch.cat(tangent_frame(outputs[1], angles)))
+            outputs += tape.push(*tangent_frame(outputs[1], angles))
         ctx.set_materialize_grads(False)
         if trains:
             ctx.tape = tape
@@ -102,7 +100,12 @@ class _Jet(torch.autograd.Function):
 
 
 class _Tape:
-    """One batch's streams, kept from the forward to the backward pass; arrays of n·width are buffers."""
+    """One piece's streams, kept from the forward to the backward pass.
+
+    What enters layer l, and so leaves layer l − 1: inputs (a), lambda_bars (λ̄), pushed (p of u and of v).
+    By layer: cos (of z), lambdas (λ), deltas (δ), q = a λ, tangents (t of u and of v), t_bars; the tangent
+    block adds −a w to λ̄; y is all that multiplies −a in z̄.
+    """
 
     def __init__(
         self,
@@ -117,26 +120,26 @@ class _Tape:
         self.points, self.order, self.buffers, self.frequency = points, order, buffers, frequency
         self.has_slopes = trains or order >= GRADIENT
         self.V = [frequency * w for w in weights[:-1]]
-        self.c = [frequency * b for b in biases[:-1]]
+        self.c = [(frequency * b).unsqueeze(-1) for b in biases[:-1]]
+        self.Vt = [v.t().contiguous() for v in self.V] if self.has_slopes else []
         self.head, self.offset = weights[-1], biases[-1]
-        n, rows = len(points), STREAMS[order] * len(points)
-        self.n, self.depth, self.width = n, len(self.V), self.head.shape[1]
+        self.n, self.depth, self.width = len(points), len(self.V), self.head.shape[1]
         self.taken: list[Tensor] = []
-        self.left = [self.take(rows, self.width) for _ in self.V] if self.has_slopes else []
-        # right[l] enters layer l; right[depth] enters the head, which no tangent passes.
-        self.right = [points.new_empty(rows, 3), *(self.take(rows, self.width) for _ in self.V)]
-        self.right[0][:n] = points
+        self.inputs: list[Tensor] = [points.t()]
         self.cos: list[Tensor] = []
-        self.lambdas: list[Tensor] = [self.head] * self.depth
-        self.tangents: list[Tensor] = []
+        self.lambdas: list[Tensor] = [self.head.t()] * self.depth
+        self.deltas: list[Tensor] = [self.head] * self.depth
+        self.lambda_bars: list[Tensor] = []
         self.q: list[Tensor] = []
-        # The tangent block adds −sin z_l · w_l to λ̄_l; y_l gathers all that multiplies −sin z_l in z̄_l.
+        self.pushed: list[tuple[Tensor, Tensor]] = []
+        self.tangents: list[tuple[Tensor, Tensor]] = []
+        self.t_bars: list[tuple[Tensor, Tensor]] = []
         self.w: list[Tensor | None] = [None] * self.depth
         self.y: list[Tensor | None] = [None] * self.depth
 
-    def take(self, *shape: int) -> Tensor:
+    def take(self) -> Float[Tensor, "width n"]:
         """A buffer that lives until `release`."""
-        self.taken.append(self.buffers.take(self.points, *shape))
+        self.taken.append(self.buffers.take(self.points, self.width, self.n))
         return self.taken[-1]
 
     def release(self) -> None:
@@ -144,107 +147,116 @@ class _Tape:
         self.buffers.give_back(*self.taken)
         self.taken.clear()
 
-    def sin(self, layer: int) -> Tensor:
+    def sin(self, layer: int) -> Float[Tensor, "width n"]:
         """a_l = sin z_l."""
-        return self.right[layer + 1][: self.n]
+        return self.inputs[layer + 1]
 
     def forward(self) -> Float[Tensor, " n"]:
         """f."""
-        for layer in range(self.depth):
-            z = affine(self.right[layer][: self.n], self.V[layer], self.c[layer])
-            torch.sin(z, out=self.sin(layer))
+        for V, c in zip(self.V, self.c, strict=True):
+            z = product(V, self.inputs[-1]).add_(c)
             if self.has_slopes:
-                self.cos.append(torch.cos(z, out=self.take(self.n, self.width)))
-        return self.sin(self.depth - 1) @ self.head[0] + self.offset
+                self.cos.append(cos(z, out=self.take()))
+            self.inputs.append(sin(z, out=self.take() if self.has_slopes else z))
+        return (self.head @ self.inputs[-1]).squeeze(0) + self.offset
 
     def reverse(self) -> Float[Tensor, "n 3"]:
         """∇f."""
-        delta = self.head
         for layer in reversed(range(self.depth)):
-            delta = self.left[layer][self.n : 2 * self.n]
-            torch.mul(self.cos[layer], self.lambdas[layer], out=delta)
+            self.deltas[layer] = torch.mul(self.cos[layer], self.lambdas[layer], out=self.take())
             if layer > 0:
-                self.lambdas[layer - 1] = product(delta, self.V[layer])
-        return delta @ self.V[0]
+                self.lambdas[layer - 1] = product(self.Vt[layer], self.deltas[layer])
+        return (self.Vt[0] @ self.deltas[0]).t().contiguous()
 
-    def push(self, directions: Float[Tensor, "m 3"]) -> tuple[Tensor, Tensor, Tensor]:
-        """uᵀHu, uᵀHv, vᵀHv along the rows of `directions`: all u, then all v."""
-        n, pair = self.n, (2, self.n, self.width)
-        self.right[0][2 * n :] = directions
-        scratch, uu, uv, vv = self.take(4, n, self.width).unbind()
+    def push(
+        self, u: Float[Tensor, "n 3"], v: Float[Tensor, "n 3"]
+    ) -> tuple[Float[Tensor, " n"], Float[Tensor, " n"], Float[Tensor, " n"]]:
+        """uᵀHu, uᵀHv, vᵀHv."""
+        scratch, uu, uv, vv = (self.take() for _ in range(4))
         for total in (uu, uv, vv):
             total.zero_()
-        for layer in range(self.depth):
-            q = torch.mul(self.sin(layer), self.lambdas[layer], out=self.take(n, self.width))
-            t = product(self.right[layer][2 * n :], self.V[layer].t()).view(pair)
+        self.pushed.append((u.t(), v.t()))
+        for layer, V in enumerate(self.V):
+            q = torch.mul(self.sin(layer), self.lambdas[layer], out=self.take())
+            t_u, t_v = (product(V, p) for p in self.pushed[layer])
             self.q.append(q)
-            self.tangents.append(t)
-            torch.mul(q, t[0], out=scratch)
-            uu.addcmul_(scratch, t[0])
-            uv.addcmul_(scratch, t[1])
-            torch.mul(q, t[1], out=scratch)
-            vv.addcmul_(scratch, t[1])
+            self.tangents.append((t_u, t_v))
+            torch.mul(q, t_u, out=scratch)
+            uu.addcmul_(scratch, t_u)
+            uv.addcmul_(scratch, t_v)
+            torch.mul(q, t_v, out=scratch)
+            vv.addcmul_(scratch, t_v)
             if layer + 1 < self.depth:
-                torch.mul(self.cos[layer], t, out=self.right[layer + 1][2 * n :].view(pair))
-        return -uu.sum(-1), -uv.sum(-1), -vv.sum(-1)
+                p_u = torch.mul(self.cos[layer], t_u, out=self.take())
+                p_v = torch.mul(self.cos[layer], t_v, out=self.take())
+                self.pushed.append((p_u, p_v))
+        return -uu.sum(0), -uv.sum(0), -vv.sum(0)
 
     def push_backward(self, uu: Tensor | None, uv: Tensor | None, vv: Tensor | None) -> None:
-        """From the tangent block's cotangents to t̄ (into `left`), w and y."""
-        n, pair = self.n, (2, self.n, self.width)
-        diagonal = torch.stack([torch.zeros_like(self.points[:, 0]) if x is None else x for x in (uu, vv)])
+        """From the tangent block's cotangents to t̄, w and y."""
         half = torch.zeros_like(self.points[:, 0]) if uv is None else 0.5 * uv
-        p_bar = None
-        G = self.take(*pair)
+        G_u, G_v = self.take(), self.take()
+        p_bars: tuple[Tensor, Tensor] | None = None
         for layer in reversed(range(self.depth)):
-            t, t_bar = self.tangents[layer], self.left[layer][2 * n :].view(pair)
-            # G = (uū t_u + ½ uv̄ t_v, vv̄ t_v + ½ uv̄ t_u): half the derivative of the quadratic form.
-            torch.mul(t[1], half.unsqueeze(-1), out=G[0])
-            torch.mul(t[0], half.unsqueeze(-1), out=G[1])
-            if uu is not None or vv is not None:
-                G.addcmul_(t, diagonal.unsqueeze(-1))
-            w = torch.mul(t[0], G[0], out=self.take(n, self.width))
-            self.w[layer] = w.addcmul_(t[1], G[1])
-            torch.mul(self.q[layer], G.mul_(-2.0), out=t_bar)
-            if p_bar is not None:
-                y = torch.mul(t[0], p_bar[0], out=self.take(n, self.width))
-                self.y[layer] = y.addcmul_(t[1], p_bar[1])
-                t_bar.addcmul_(self.cos[layer], p_bar)
+            t_u, t_v = self.tangents[layer]
+            # (G_u, G_v) = (uū t_u + ½ uv̄ t_v, vv̄ t_v + ½ uv̄ t_u): half the derivative of the quadratic form.
+            torch.mul(t_v, half, out=G_u)
+            torch.mul(t_u, half, out=G_v)
+            if uu is not None:
+                G_u.addcmul_(t_u, uu)
+            if vv is not None:
+                G_v.addcmul_(t_v, vv)
+            self.w[layer] = torch.mul(t_u, G_u, out=self.take()).addcmul_(t_v, G_v)
+            twice = torch.mul(self.q[layer], -2.0, out=self.take())
+            t_bars = (torch.mul(twice, G_u, out=self.take()), torch.mul(twice, G_v, out=self.take()))
+            if p_bars is not None:
+                self.y[layer] = torch.mul(t_u, p_bars[0], out=self.take()).addcmul_(t_v, p_bars[1])
+                for t_bar, p_bar in zip(t_bars, p_bars, strict=True):
+                    t_bar.addcmul_(self.cos[layer], p_bar)
+            self.t_bars.append(t_bars)
             if layer > 0:
-                p_bar = product(self.left[layer][2 * n :], self.V[layer]).view(pair)
+                p_bars = (product(self.Vt[layer], t_bars[0]), product(self.Vt[layer], t_bars[1]))
+        self.t_bars.reverse()
 
     def reverse_backward(self, gradient: Float[Tensor, "n 3"]) -> None:
-        """From the gradient's cotangent to λ̄ (into `right`) and y."""
-        n = self.n
-        self.right[0][n : 2 * n] = gradient
-        for layer in range(self.depth):
-            delta_bar = product(self.right[layer][n : 2 * n], self.V[layer].t())
-            lambda_bar = torch.mul(delta_bar, self.cos[layer], out=self.right[layer + 1][n : 2 * n])
+        """From the gradient's cotangent to λ̄ and y."""
+        self.lambda_bars.append(gradient.t())
+        for layer, V in enumerate(self.V):
+            delta_bar = product(V, self.lambda_bars[layer])
+            lambda_bar = torch.mul(delta_bar, self.cos[layer], out=self.take())
             w, y = self.w[layer], self.y[layer]
             if w is not None:
                 lambda_bar.addcmul_(self.sin(layer), w, value=-1.0)
+            self.lambda_bars.append(lambda_bar)
             delta_bar.mul_(self.lambdas[layer])
             self.y[layer] = delta_bar if y is None else y.add_(delta_bar)
 
     def forward_backward(self, value: Float[Tensor, " n"]) -> tuple[list[Tensor], list[Tensor]]:
         """From the value's cotangent, and all that came before, to the gradients of weights and biases."""
-        n = self.n
-        head = (value @ self.sin(self.depth - 1)).unsqueeze(0)
+        head = (self.inputs[-1] @ value).unsqueeze(0)
         if self.order >= GRADIENT:
-            head += self.right[self.depth][n : 2 * n].sum(0)
+            head += self.lambda_bars[-1].sum(1)
         weights, biases = [head], [value.sum().unsqueeze(0)]
-        a_bar = value.unsqueeze(-1) * self.head
-        transposed = self.take(self.width, len(self.left[0]))
+        a_bar = self.head.t() * value
         for layer in reversed(range(self.depth)):
             w, y = self.w[layer], self.y[layer]
             if w is not None:
                 a_bar.addcmul_(self.lambdas[layer], w, value=-1.0)
-            z_bar = torch.mul(self.cos[layer], a_bar, out=self.left[layer][:n])
+            z_bar = a_bar.mul_(self.cos[layer])
             if y is not None:
                 z_bar.addcmul_(self.sin(layer), y, value=-1.0)
-            weights.append(
-                product(transposed.copy_(self.left[layer].t()), self.right[layer]).mul_(self.frequency)
-            )
-            biases.append(z_bar.sum(0).mul_(self.frequency))
+            weights.append(self.outer(layer, z_bar).mul_(self.frequency))
+            biases.append(z_bar.sum(1).mul_(self.frequency))
             if layer > 0:
-                a_bar = product(z_bar, self.V[layer])
+                a_bar = product(self.Vt[layer], z_bar)
         return weights[::-1], biases[::-1]
+
+    def outer(self, layer: int, z_bar: Float[Tensor, "width n"]) -> Float[Tensor, "width inputs"]:
+        """∂loss/∂V_l: the sum of the streams' outer products."""
+        total = product(z_bar, self.inputs[layer].t())
+        if self.order >= GRADIENT:
+            total += product(self.deltas[layer], self.lambda_bars[layer].t())
+        if self.order >= TANGENT:
+            for t_bar, p in zip(self.t_bars[layer], self.pushed[layer], strict=True):
+                total += product(t_bar, p.t())
+        return total

@@ -4,26 +4,29 @@ Fresh megabytes cost a page fault every four kilobytes: a third of a training st
 returns freed memory to the system (findings, "Cost of one optimisation step").
 """
 
-from collections import defaultdict
-
 import torch
 from torch import Tensor
 
+Kind = tuple[tuple[int, ...], torch.dtype, torch.device]
+
 
 class Buffers:
-    """A free list of tensors by shape, type and device; their content is whatever was left in them."""
+    """A free list of tensors by shape, type and device; their content is whatever was left in them.
+
+    Threads may share it: setdefault, pop and append are each one indivisible operation.
+    """
 
     def __init__(self) -> None:
-        self.free: defaultdict[tuple[tuple[int, ...], torch.dtype, torch.device], list[Tensor]] = defaultdict(
-            list
-        )
+        self.free: dict[Kind, list[Tensor]] = {}
 
     def take(self, like: Tensor, *shape: int) -> Tensor:
         """An uninitialised tensor of `shape`, of the type and on the device of `like`."""
-        shelf = self.free[shape, like.dtype, like.device]
-        return shelf.pop() if shelf else like.new_empty(shape)
+        try:
+            return self.free.setdefault((shape, like.dtype, like.device), []).pop()
+        except IndexError:
+            return like.new_empty(shape)
 
     def give_back(self, *tensors: Tensor) -> None:
         """Return tensors that nothing refers to any more."""
         for tensor in tensors:
-            self.free[tuple(tensor.shape), tensor.dtype, tensor.device].append(tensor)
+            self.free.setdefault((tuple(tensor.shape), tensor.dtype, tensor.device), []).append(tensor)

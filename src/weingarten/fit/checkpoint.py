@@ -20,7 +20,7 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.settings import Settings
 
-FORMAT = "weingarten-1"
+FORMAT = "weingarten-2"
 
 KEPT = "kept."
 """Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
@@ -58,11 +58,7 @@ class Checkpoint:
         """Bring a fresh loop of the same settings to this state, to the bit."""
         loop.field.load_state_dict(self.field_state())
         for index, optimiser in enumerate(loop.optimisers):
-            state: dict[int, dict[str, Tensor]] = {}
-            for name, tensor in prefixed(self.tensors, f"optimiser.{index}.").items():
-                parameter, _, entry = name.partition(".")
-                state.setdefault(int(parameter), {})[entry] = tensor
-            optimiser.load_state_dict({**optimiser.state_dict(), "state": state})
+            optimiser.restore(prefixed(self.tensors, f"optimiser.{index}."))
         loop.generator.set_state(self.tensors["generator"])
         loop.step = self.step
 
@@ -71,8 +67,7 @@ def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor
     """Write the state of a fit; an earlier checkpoint at `path` stays until the new one is whole."""
     tensors = {f"field.{name}": value for name, value in loop.field.state_dict().items()}
     for index, optimiser in enumerate(loop.optimisers):
-        for parameter, state in optimiser.state_dict()["state"].items():
-            tensors |= {f"optimiser.{index}.{parameter}.{name}": value for name, value in state.items()}
+        tensors |= {f"optimiser.{index}.{name}": value for name, value in optimiser.state().items()}
     tensors["generator"] = loop.generator.get_state()
     tensors |= extra_tensors
     header = {

@@ -37,10 +37,11 @@ def estimate(loop: Loop, resolution: int) -> Estimate:
     state = loop.generator.get_state()
     weights = {term: schedule(0.0) for term, schedule in loop.method.terms.items()}
     seconds = 0.0
-    for _ in range(2):
-        started = time.perf_counter()
-        loop.accumulate(weights)
-        seconds = time.perf_counter() - started
+    with loop.crew:
+        for _ in range(2):
+            started = time.perf_counter()
+            loop.accumulate(weights)
+            seconds = time.perf_counter() - started
     loop.generator.set_state(state)
     loop.field.zero_grad()
     forward = seconds * FORWARD_SHARE / loop.points

@@ -1,52 +1,53 @@
-"""How a field's weights move: optimisers by name, and the learning rate as a function of the step.
-
-Each builder returns ordinary torch optimisers, so that their state is torch's own.
-"""
+"""How a field's weights move: optimisers by name, and the learning rate as a function of the step."""
 
 import math
 from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
-import torch
-from torch import nn
+from torch import Tensor, nn
 
+from weingarten.crew import Crew
 from weingarten.fields.siren import Siren
+from weingarten.fit.adam import Adam
+from weingarten.fit.muon import Muon
 
 Rate = Callable[[int, int], float]
 
 
-def adam(field: nn.Module, rate: float) -> list[torch.optim.Optimizer]:
-    """Adam for every weight, torch's defaults (method §2)."""
-    return [torch.optim.Adam(field.parameters(), lr=rate)]
+@runtime_checkable
+class Optimiser(Protocol):
+    """Moves some of a field's weights by their gradients."""
+
+    def step(self, rate: float) -> None:
+        """Move the weights at this learning rate."""
+        ...
+
+    def state(self) -> dict[str, Tensor]:
+        """All that it remembers, for a checkpoint."""
+        ...
+
+    def restore(self, state: dict[str, Tensor]) -> None:
+        """Remember this; KeyError where it is another's."""
+        ...
 
 
-def muon(field: nn.Module, rate: float) -> list[torch.optim.Optimizer]:
+def adam(field: nn.Module, crew: Crew) -> list[Optimiser]:
+    """Adam for every weight (method §2)."""
+    return [Adam(field.parameters())]
+
+
+def muon(field: nn.Module, crew: Crew) -> list[Optimiser]:
     """Muon for the square matrices of a SIREN, Adam at the same rate for all else (findings).
 
-    An update of Muon is scaled by 0.2 √max(rows, columns), which gives it the size of Adam's.
     Fields that name no hidden matrices are moved by Adam alone.
     """
     hidden = field.hidden if isinstance(field, Siren) else []
     names = {id(weight) for weight in hidden}
     rest = [weight for weight in field.parameters() if id(weight) not in names]
-    optimisers: list[torch.optim.Optimizer] = [torch.optim.Adam(rest, lr=rate)]
-    if hidden:
-        optimisers.append(
-            torch.optim.Muon(
-                hidden,
-                lr=rate,
-                weight_decay=0.0,
-                momentum=0.95,
-                nesterov=True,
-                adjust_lr_fn="match_rms_adamw",
-            )
-        )
-    return optimisers
+    return [Adam(rest), Muon(hidden, crew)] if hidden else [Adam(rest)]
 
 
-OPTIMISERS: dict[str, Callable[[nn.Module, float], list[torch.optim.Optimizer]]] = {
-    "adam": adam,
-    "muon": muon,
-}
+OPTIMISERS: dict[str, Callable[[nn.Module, Crew], list[Optimiser]]] = {"adam": adam, "muon": muon}
 
 
 def steady(step: int, steps: int) -> float:

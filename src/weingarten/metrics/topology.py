@@ -47,7 +47,8 @@ def topology(mesh: Mesh) -> Topology:
     undirected = np.minimum(start, end) * count + np.maximum(start, end)
     _, edge, uses = np.unique(undirected, return_inverse=True, return_counts=True)
     watertight = bool(len(faces)) and bool((uses == 2).all())
-    oriented = len(np.unique(start * count + end)) == len(start)
+    directed = np.sort(start * count + end)
+    oriented = not (directed[1:] == directed[:-1]).any()
     first, second = half_edge_pairs(edge.reshape(-1))
     components = _parts(len(faces), first // 3, second // 3)[0]
     fans = corner_fans(faces, first, second)

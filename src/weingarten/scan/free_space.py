@@ -142,10 +142,10 @@ def enclosed(
     cell: float,
 ) -> Bool[np.ndarray, "a b c"]:
     """Cells of the rooms that are inside: closed to a thinner shell, and against the outside."""
-    leaky = np.unique(rooms[connected(distance > THIN_SHELL * shell) == OUTSIDE])
+    leaky = rooms[connected(distance > THIN_SHELL * shell) == OUTSIDE]
     beside = gaps(rooms == OUTSIDE, cell) < 2.0 * shell + 1.8 * cell
     inside = np.zeros(int(rooms.max()) + 1, dtype=bool)
-    inside[np.unique(rooms[beside])] = True
+    inside[rooms[beside]] = True
     inside[leaky] = False
     inside[[0, OUTSIDE]] = False
     return inside[rooms]

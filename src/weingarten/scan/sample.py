@@ -23,6 +23,10 @@ class Sample:
     def __len__(self) -> int:
         return len(self.points)
 
+    def __getitem__(self, rows: slice) -> "Sample":
+        """The points of a slice."""
+        return Sample(self.points[rows], None if self.distance is None else self.distance[rows])
+
     def split(self, size: int) -> "list[Sample]":
         """The same points in consecutive pieces of at most `size`."""
         points = self.points.split(size)

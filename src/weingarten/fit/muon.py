@@ -1,0 +1,72 @@
+"""Muon: momentum brought near to an orthogonal matrix before it is applied (Jordan et al. 2024).
+
+With momentum M ← μM + G and, after Nesterov, the update U = G + μM,
+
+    W ← W − 0.2 √max(rows, columns) · lr · polar(U),   polar(U) = (UUᵀ)^(−1/2) U,
+
+which has the root mean square of an update of Adam (Liu et al. 2025, eq. 4). `torch.optim.Muon` is the same
+method in bfloat16, which processors without that arithmetic emulate: with AVX2, 0.65 s a step of the standard
+preset, many times as long as the rest of it. Here all is float32.
+"""
+
+import math
+from collections.abc import Iterable
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from weingarten.calculus.product import product
+from weingarten.crew import Crew
+
+QUINTICS = ((8.0934, -23.6204, 17.4462), (3.6366, -2.7219, 0.5365), (2.6613, -1.9772, 0.4526))
+"""p(x) = ax + bx³ + cx⁵, each the best approximation of 1 in the maximum norm on what the one before leaves
+of [0.01, 1] (the construction of Amsel et al. 2025, "Polar Express"): all three map it into [0.73, 1.27]."""
+
+
+class Muon:
+    """For matrices alone; see `weingarten.fit.optimisers.Optimiser`.
+
+    crew: who works out the matrices, one each. momentum: μ.
+    """
+
+    def __init__(self, matrices: Iterable[Tensor], crew: Crew, momentum: float = 0.95) -> None:
+        self.matrices = list(matrices)
+        self.momenta = [torch.zeros_like(matrix) for matrix in self.matrices]
+        self.crew = crew
+        self.momentum = momentum
+
+    @torch.no_grad()
+    def step(self, rate: float) -> None:
+        """Move every matrix that has a gradient."""
+        moved: list[Tensor] = []
+        wanted: list[Tensor] = []
+        for matrix, kept in zip(self.matrices, self.momenta, strict=True):
+            if matrix.grad is not None:
+                kept.mul_(self.momentum).add_(matrix.grad)
+                moved.append(matrix)
+                wanted.append(matrix.grad.add(kept, alpha=self.momentum))
+        for matrix, update in zip(moved, self.crew.map(polar, wanted), strict=True):
+            matrix.add_(update, alpha=-0.2 * math.sqrt(max(matrix.shape)) * rate)
+
+    def state(self) -> dict[str, Tensor]:
+        """The momenta."""
+        return {f"momentum.{i}": kept for i, kept in enumerate(self.momenta)}
+
+    def restore(self, state: dict[str, Tensor]) -> None:
+        """The inverse of `state`."""
+        for i, kept in enumerate(self.momenta):
+            kept.copy_(state[f"momentum.{i}"])
+
+
+def polar(matrix: Float[Tensor, "n m"]) -> Float[Tensor, "n m"]:
+    """U Vᵀ of the singular value decomposition U S Vᵀ, up to singular values within [0.73, 1.27].
+
+    Those below a hundredth of the Frobenius norm stay smaller. Zero for a zero matrix.
+    """
+    x = matrix / matrix.norm().clamp_min(torch.finfo(matrix.dtype).tiny)
+    for a, b, c in QUINTICS:
+        gram = product(x, x.t())
+        polynomial = product(gram, gram).mul_(c).add_(gram, alpha=b)
+        x = product(polynomial, x).add_(x, alpha=a)
+    return x

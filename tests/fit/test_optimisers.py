@@ -1,0 +1,92 @@
+"""Adam is torch's; Muon's updates are nearly orthogonal; what they remember survives a checkpoint."""
+
+import pytest
+import torch
+
+from weingarten.crew import Crew, Threads
+from weingarten.fit.adam import Adam
+from weingarten.fit.muon import Muon, polar
+
+
+def descended(optimiser, weights, steps, seed=0):
+    generator = torch.Generator().manual_seed(seed)
+    for _ in range(steps):
+        for weight in weights:
+            weight.grad = torch.randn(weight.shape, generator=generator, dtype=weight.dtype)
+        optimiser.step(1e-2)
+
+
+def test_adam_is_that_of_torch():
+    ours = [torch.ones(5, 3, dtype=torch.float64), torch.ones(4, dtype=torch.float64)]
+    theirs = [weight.clone().requires_grad_(True) for weight in ours]
+    reference = torch.optim.Adam(theirs, lr=1e-2)
+    adam = Adam(ours)
+    for step in range(20):
+        for one, other in zip(ours, theirs, strict=True):
+            one.grad = torch.full_like(one, (-1.0) ** step * (step + 1))
+            other.grad = one.grad.clone()
+        adam.step(1e-2)
+        reference.step()
+    for one, other in zip(ours, theirs, strict=True):
+        assert torch.allclose(one, other.detach(), rtol=1e-12, atol=0)
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (40, 64)])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_polar_keeps_singular_vectors_and_evens_singular_values(shape, scale):
+    matrix = scale * torch.randn(shape, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
+    U, S, Vt = torch.linalg.svd(matrix, full_matrices=False)
+    seen = U.T @ polar(matrix) @ Vt.T
+    values = seen.diagonal()
+    assert (seen - torch.diag(values)).abs().max() < 1e-10
+    large = 0.01 * matrix.norm() < S
+    assert large.any()
+    assert ((values[large] > 0.72) & (values[large] < 1.28)).all()
+    assert (values > 0).all()
+
+
+def test_polar_of_zero_is_zero():
+    assert not polar(torch.zeros(4, 4)).any()
+
+
+def test_muon_moves_a_matrix_by_the_size_of_an_update_of_adam():
+    weight = torch.zeros(64, 64)
+    descended(Muon([weight], Crew()), [weight], 1)
+    assert float(weight.square().mean().sqrt()) == pytest.approx(0.2 * 1e-2, rel=0.15)
+
+
+def test_muon_is_nesterov_momentum_on_the_polar_factor():
+    weight = torch.zeros(16, 16, dtype=torch.float64)
+    muon, momentum = Muon([weight], Crew(), momentum=0.9), torch.zeros(16, 16, dtype=torch.float64)
+    expected, generator = torch.zeros(16, 16, dtype=torch.float64), torch.Generator().manual_seed(0)
+    for _ in range(5):
+        weight.grad = torch.randn(16, 16, generator=generator, dtype=torch.float64)
+        momentum = 0.9 * momentum + weight.grad
+        expected -= 0.2 * 4.0 * 1e-2 * polar(weight.grad + 0.9 * momentum)
+        muon.step(1e-2)
+    assert torch.allclose(weight, expected, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("build", [Adam, lambda weights: Muon(weights, Crew())])
+def test_what_an_optimiser_remembers_is_restored(build):
+    straight, resumed = [torch.ones(8, 8)], [torch.ones(8, 8)]
+    optimiser = build(straight)
+    descended(optimiser, straight, 3)
+    kept = {name: value.clone() for name, value in optimiser.state().items()}
+    resumed[0].copy_(straight[0])
+    other = build(resumed)
+    other.restore(kept)
+    descended(optimiser, straight, 3, seed=1)
+    descended(other, resumed, 3, seed=1)
+    assert torch.equal(straight[0], resumed[0])
+
+
+def test_muon_is_the_same_however_many_threads_there_are():
+    moved = []
+    for crew in (Crew(), Threads(1), Threads(3)):
+        weights = [torch.ones(32, 32) * i for i in range(1, 5)]
+        with crew:
+            descended(Muon(weights, crew), weights, 3)
+        moved.append(weights)
+    for weights in moved[1:]:
+        assert all(torch.equal(one, other) for one, other in zip(moved[0], weights, strict=True))

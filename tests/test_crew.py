@@ -1,0 +1,58 @@
+"""A crew answers in the order of the tasks, on one core each, and leaves torch's threads as they were."""
+
+import threading
+
+import pytest
+import torch
+
+from weingarten.crew import Crew, Threads, crew_for
+
+
+@pytest.mark.parametrize("crew", [Crew(), Threads(1), Threads(3)])
+def test_answers_keep_the_order_of_the_tasks(crew):
+    assert crew.map(lambda task: task * task, list(range(50))) == [n * n for n in range(50)]
+    assert crew.map(lambda task: task, []) == []
+
+
+def test_tasks_run_side_by_side():
+    barrier = threading.Barrier(2, timeout=20)
+    assert len(Threads(2).map(lambda _: barrier.wait(), [0, 1])) == 2
+
+
+def test_an_error_of_a_task_is_raised():
+    with pytest.raises(ZeroDivisionError):
+        Threads(2).map(lambda task: 1 / task, [1, 0])
+
+
+@pytest.mark.parametrize("crew", [Crew(), Threads(2)])
+@pytest.mark.parametrize("grad", [True, False])
+def test_gradients_are_on_or_off_as_in_the_calling_thread(crew, grad):
+    with torch.set_grad_enabled(grad):
+        assert crew.map(lambda _: torch.is_grad_enabled(), [0, 1]) == [grad, grad]
+
+
+def test_torch_has_one_thread_in_a_crew_and_its_own_number_afterwards():
+    before = torch.get_num_threads()
+    try:
+        torch.set_num_threads(2)
+        crew = Threads(2)
+        with crew:
+            with crew:
+                assert torch.get_num_threads() == 1
+            assert torch.get_num_threads() == 1
+            assert crew.map(lambda _: torch.get_num_threads(), [0, 1]) == [1, 1]
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+
+
+def test_a_crew_is_as_large_as_torch_may_use_threads():
+    before = torch.get_num_threads()
+    try:
+        torch.set_num_threads(2)
+        assert crew_for(torch.device("cpu")).size == 2
+        torch.set_num_threads(1)
+        assert crew_for(torch.device("cpu")).size == 1
+    finally:
+        torch.set_num_threads(before)
+    assert crew_for(torch.device("meta")).size == 1
