@@ -191,6 +191,7 @@ def first_loop(
         steps=settings.steps,
         points=settings.points,
         clip=settings.clip,
+        ramp=settings.ramp,
         chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
         crew=crew,
     )

@@ -12,7 +12,8 @@ from weingarten.schedules.schedule import Knots, Schedule
 class Settings:
     """Every choice of a fit, resolved; two fits with equal settings, points and device give the same mesh.
 
-    steps: optimisation steps. points: drawn per step on each domain. rate: learning rate at its greatest.
+    steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
+    first step and at the last, linear between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the SIREN. resolution: cells along the longest side.
     """
@@ -24,6 +25,7 @@ class Settings:
     seed: int
     steps: int
     points: int
+    ramp: tuple[float, float]
     optimiser: str
     rate: float
     decay: str
@@ -39,13 +41,14 @@ class Settings:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, knots as [time, weight] pairs."""
-        return asdict(self) | {"knots": [list(knot) for knot in self.knots]}
+        return asdict(self) | {"knots": [list(knot) for knot in self.knots], "ramp": list(self.ramp)}
 
     @classmethod
     def from_dict(cls, values: dict) -> "Settings":
         """The inverse of as_dict. Raises KeyError or TypeError for anything else."""
         known: dict[str, Any] = {field.name: values[field.name] for field in fields(cls)}
         known["knots"] = tuple((float(time), float(weight)) for time, weight in values["knots"])
+        known["ramp"] = (float(values["ramp"][0]), float(values["ramp"][1]))
         return cls(**known)
 
 
@@ -57,6 +60,7 @@ STANDARD = Settings(
     seed=0,
     steps=500,
     points=1000,
+    ramp=(0.4, 1.6),
     optimiser="muon",
     rate=5e-4,
     decay="cosine",
@@ -74,6 +78,7 @@ PAPER = replace(
     knots=METHODS["odw-paper"].schedule.knots,
     steps=10_000,
     points=20_000,
+    ramp=(1.0, 1.0),
     optimiser="adam",
     rate=5e-5,
     decay="steady",

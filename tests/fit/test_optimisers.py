@@ -52,7 +52,7 @@ def test_polar_of_zero_is_zero():
 def test_muon_moves_a_matrix_by_the_size_of_an_update_of_adam():
     weight = torch.zeros(64, 64)
     descended(Muon([weight], Crew()), [weight], 1)
-    assert float(weight.square().mean().sqrt()) == pytest.approx(0.2 * 1e-2, rel=0.15)
+    assert float(weight.square().mean().sqrt()) == pytest.approx(0.2 * 1e-2, rel=0.2)
 
 
 def test_muon_is_nesterov_momentum_on_the_polar_factor():

@@ -17,6 +17,7 @@ these products nor those with V and Vᵀ have to copy a transpose of n columns. 
 point: value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8.
 """
 
+from threading import Lock
 from typing import Any
 
 import torch
@@ -39,6 +40,8 @@ class Analytic:
     def __init__(self, field: Siren) -> None:
         self.field = field
         self.buffers = Buffers()
+        self.lock = Lock()
+        self.scaled: _Scaled | None = None
 
     def __call__(
         self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
@@ -50,7 +53,32 @@ class Analytic:
         # within a Function's forward the grad mode is off, and needs_input_grad ignores no_grad
         trains = torch.is_grad_enabled() and any(weight.requires_grad for weight in field.parameters())
         parameters = (*field.weights, *field.biases)
-        return Jet(*_Jet.apply(points, order, angles, trains, self.buffers, field.frequency, *parameters))
+        return Jet(*_Jet.apply(points, order, angles, trains, self.buffers, self.present(), *parameters))
+
+    def present(self) -> "_Scaled":
+        """The field's weights as they are now, worked out once for all pieces of a step."""
+        with self.lock:
+            if self.scaled is None or self.scaled.version != version(self.field):
+                self.scaled = _Scaled(self.field)
+            return self.scaled
+
+
+class _Scaled:
+    """ω times the weights and biases of the sine layers, and these weights transposed; without a graph."""
+
+    def __init__(self, field: Siren) -> None:
+        self.version = version(field)
+        self.frequency = field.frequency
+        with torch.no_grad():
+            self.V = [field.frequency * weight for weight in list(field.weights)[:-1]]
+            self.c = [(field.frequency * bias).unsqueeze(-1) for bias in list(field.biases)[:-1]]
+            self.Vt = [V.t().contiguous() for V in self.V]
+            self.head, self.offset = field.weights[-1].detach(), field.biases[-1].detach()
+
+
+def version(field: Siren) -> list[tuple[int, int]]:
+    """Where the weights lie and how often they were written to; writes through `.data` are not counted."""
+    return [(weight.data_ptr(), weight._version) for weight in field.parameters()]
 
 
 class _Jet(torch.autograd.Function):
@@ -64,11 +92,10 @@ class _Jet(torch.autograd.Function):
         angles: Float[Tensor, " n"],
         trains: bool,
         buffers: Buffers,
-        frequency: float,
+        scaled: _Scaled,
         *parameters: Tensor,
     ) -> tuple[Tensor, ...]:
-        half = len(parameters) // 2
-        tape = _Tape(points, order, trains, buffers, frequency, parameters[:half], parameters[half:])
+        tape = _Tape(points, order, trains, buffers, scaled)
         value = tape.forward()
         outputs = [value]
         if order >= GRADIENT:
@@ -113,16 +140,12 @@ class _Tape:
         order: int,
         trains: bool,
         buffers: Buffers,
-        frequency: float,
-        weights: tuple[Tensor, ...],
-        biases: tuple[Tensor, ...],
+        scaled: _Scaled,
     ) -> None:
-        self.points, self.order, self.buffers, self.frequency = points, order, buffers, frequency
+        self.points, self.order, self.buffers, self.frequency = points, order, buffers, scaled.frequency
         self.has_slopes = trains or order >= GRADIENT
-        self.V = [frequency * w for w in weights[:-1]]
-        self.c = [(frequency * b).unsqueeze(-1) for b in biases[:-1]]
-        self.Vt = [v.t().contiguous() for v in self.V] if self.has_slopes else []
-        self.head, self.offset = weights[-1], biases[-1]
+        self.V, self.Vt, self.c = scaled.V, scaled.Vt, scaled.c
+        self.head, self.offset = scaled.head, scaled.offset
         self.n, self.depth, self.width = len(points), len(self.V), self.head.shape[1]
         self.taken: list[Tensor] = []
         self.inputs: list[Tensor] = [points.t()]

@@ -29,6 +29,12 @@ class Jet:
     uv: Float[Tensor, " n"] | None = None
     vv: Float[Tensor, " n"] | None = None
 
+    def split(self, sizes: list[int]) -> "list[Jet]":
+        """The jets of consecutive points, so many each."""
+        fields = (self.value, self.gradient, self.uu, self.uv, self.vv)
+        rows = [[None] * len(sizes) if field is None else field.split(sizes) for field in fields]
+        return [Jet(*row) for row in zip(*rows, strict=True)]
+
     @property
     def slope(self) -> Float[Tensor, "n 3"]:
         """The gradient, where it is known to have been asked for."""

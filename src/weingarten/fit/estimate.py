@@ -1,4 +1,4 @@
-"""How long a fit will take and how much memory it will need, from two trial passes of its own first step."""
+"""How long a fit will take and how much memory it will need, from trial passes of its own steps."""
 
 import time
 from dataclasses import dataclass
@@ -33,24 +33,27 @@ class Estimate:
 
 
 def estimate(loop: Loop, resolution: int) -> Estimate:
-    """Time a pass of the first step (after one to warm up) and leave the loop as it was."""
+    """Time the passes of the first and the last step (after one to warm up) and leave the loop as it was."""
     state = loop.generator.get_state()
-    weights = {term: schedule(0.0) for term, schedule in loop.method.terms.items()}
-    seconds = 0.0
     with loop.crew:
-        for _ in range(2):
-            started = time.perf_counter()
-            loop.accumulate(weights)
-            seconds = time.perf_counter() - started
+        seconds = [timed(loop, progress) for progress in (0.0, 0.0, 1.0)][1:]
     loop.generator.set_state(state)
     loop.field.zero_grad()
-    forward = seconds * FORWARD_SHARE / loop.points
+    step = sum(seconds) / 2.0
+    forward = seconds[0] * FORWARD_SHARE / loop.count(0.0)
     return Estimate(
-        step=seconds,
-        training=seconds * (loop.steps - loop.step),
+        step=step,
+        training=step * (loop.steps - loop.step),
         extraction=forward * NODES_PER_CELL_SQUARED * resolution**2,
         memory=resident_memory() + BYTES_PER_CELL_SQUARED * resolution**2,
     )
+
+
+def timed(loop: Loop, progress: float) -> float:
+    """Seconds of one pass."""
+    started = time.perf_counter()
+    loop.accumulate(progress)
+    return time.perf_counter() - started
 
 
 def resident_memory() -> int:

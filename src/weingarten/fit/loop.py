@@ -6,15 +6,16 @@ Every core of the crew works on a piece of its own.
 """
 
 import dataclasses
+import itertools
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from weingarten.calculus.jet import Calculus
+from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Calculus
 from weingarten.crew import Crew
 from weingarten.fit.optimisers import Optimiser, Rate
 from weingarten.methods import Method
@@ -24,6 +25,12 @@ from weingarten.terms.term import Term
 
 CHUNK, GPU_CHUNK = 1024, 65536
 """Points a piece at most: on a CPU enough for the products and few enough for the cache, on a GPU many."""
+
+LEAST = 128
+"""Points a piece at least, where there is a choice."""
+
+PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}
+"""Forward passes that a point's jet and its derivative cost."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +55,22 @@ class Record:
         return sum(weighed, 0.0)
 
 
+@dataclass(frozen=True)
+class Part:
+    """Points of one domain, taken at `order`. shares: each term's weight over the number of its points."""
+
+    sample: Sample
+    angles: Float[Tensor, " n"]
+    order: int
+    shares: dict[Term, float]
+
+    def split(self, sizes: list[int]) -> "list[Part]":
+        """Consecutive parts of these sizes."""
+        ends = list(itertools.accumulate(sizes))
+        rows = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
+        return [replace(self, sample=self.sample[row], angles=self.angles[row]) for row in rows]
+
+
 @dataclass
 class Loop:
     """All that a fit needs to take one more step.
@@ -65,6 +88,7 @@ class Loop:
     steps: int
     points: int
     clip: float
+    ramp: tuple[float, float] = (1.0, 1.0)
     chunk: int = CHUNK
     crew: Crew = dataclasses.field(default_factory=Crew)
     step: int = 0
@@ -78,24 +102,35 @@ class Loop:
         """Take one step and say what it saw."""
         progress = self.step / self.steps
         rate = self.base_rate * self.rate(self.step, self.steps)
-        weights = {term: schedule(progress) for term, schedule in self.method.terms.items()}
         self.field.zero_grad()
-        means = self.accumulate(weights)
+        means = self.accumulate(progress)
         torch.nn.utils.clip_grad_norm_(self.field.parameters(), self.clip)
         for optimiser in self.optimisers:
             optimiser.step(rate)
-        named = {term.name: weight for term, weight in weights.items()}
+        named = {term.name: weight for term, weight in self.weights(progress).items()}
         record = Record(self.step, progress, rate, named, means)
         self.step += 1
         return record
 
-    def accumulate(self, weights: dict[Term, float]) -> dict[str, float]:
-        """Add the loss's gradient to the field's and return each term's mean residual."""
-        samples = {name: s.to(self.device) for name, s in self.draws(self.points, self.generator).items()}
+    def weights(self, progress: float) -> dict[Term, float]:
+        """Of all terms."""
+        return {term: schedule(progress) for term, schedule in self.method.terms.items()}
+
+    def count(self, progress: float) -> int:
+        """Points of each domain: few at first, when any show the way, many when only the noise is left."""
+        first, last = self.ramp
+        return max(1, round(self.points * (first + (last - first) * progress)))
+
+    def accumulate(self, progress: float) -> dict[str, float]:
+        """Add the loss's gradient at `progress` to the field's and return each term's mean residual."""
+        weights = self.weights(progress)
+        drawn = self.draws(self.count(progress), self.generator)
+        samples = {name: sample.to(self.device) for name, sample in drawn.items()}
         counts = {term: sum(term.taken(len(samples[name])) for name in term.domains) for term in weights}
         shares = {term: weight / counts[term] for term, weight in weights.items()}
-        pieces = [piece for name, sample in samples.items() for piece in self.pieces(name, sample, shares)]
-        seen = {term: sum(len(p.sample) for p in pieces if term in p.shares) for term in weights}
+        parts = [part for name, sample in samples.items() for part in self.parts(name, sample, shares)]
+        pieces = cut(parts, self.crew.size, self.chunk)
+        seen = {term: sum(len(part.sample) for part in parts if term in part.shares) for term in weights}
         sums: dict[Term, Tensor | float] = dict.fromkeys(weights, 0.0)
         for totals, gradients in self.crew.map(self.differentiated, pieces):
             for term, total in totals.items():
@@ -105,41 +140,73 @@ class Loop:
         whole = {term: count if seen[term] == count else float("nan") for term, count in counts.items()}
         return {term.name: float(total) / whole[term] for term, total in sums.items()}
 
-    def pieces(self, domain: str, sample: Sample, shares: dict[Term, float]) -> "list[Piece]":
-        """A domain's sample, cut where a term's share of it ends and into equal pieces of at most a chunk."""
+    def parts(self, domain: str, sample: Sample, shares: dict[Term, float]) -> list[Part]:
+        """A domain's sample, cut where a term's share of it ends."""
         angles = 2.0 * torch.pi * torch.rand(len(sample), generator=self.generator).to(self.device)
         terms = {term: term.taken(len(sample)) for term in shares if domain in term.domains}
-        found: list[Piece] = []
+        found: list[Part] = []
         start = 0
         for end in sorted({count for term, count in terms.items() if shares[term] > 0.0}):
             reaching = [term for term, count in terms.items() if count >= end]
             order = max(term.order for term in reaching if shares[term] > 0.0)
             known = {term: shares[term] for term in reaching if term.order <= order}
-            size = -(-(end - start) // -(-(end - start) // self.chunk))
-            pairs = zip(sample[start:end].split(size), angles[start:end].split(size), strict=True)
-            found += [Piece(part, turn, order, known) for part, turn in pairs]
+            found.append(Part(sample[start:end], angles[start:end], order, known))
             start = end
         return found
 
-    def differentiated(self, piece: "Piece") -> tuple[dict[Term, Tensor], tuple[Tensor, ...]]:
-        """This piece's sums of residuals, and the gradient of its part of the loss."""
-        jet = self.calculus(piece.sample.points, piece.order, piece.angles)
-        totals = {term: term.residual(jet, piece.sample).sum() for term in piece.shares}
-        loss = torch.stack([share * totals[term] for term, share in piece.shares.items()]).sum()
+    def differentiated(self, piece: list[Part]) -> tuple[dict[Term, Tensor], tuple[Tensor, ...]]:
+        """A piece's sums of residuals, and the gradient of its part of the loss."""
+        points = torch.cat([part.sample.points for part in piece])
+        jet = self.calculus(points, piece[0].order, torch.cat([part.angles for part in piece]))
+        totals: dict[Term, Tensor] = {}
+        losses: list[Tensor] = []
+        for part, own in zip(piece, jet.split([len(part.sample) for part in piece]), strict=True):
+            for term, share in part.shares.items():
+                total = term.residual(own, part.sample).sum()
+                losses.append(share * total)
+                totals[term] = totals.get(term, 0.0) + total.detach()
         gradients = torch.autograd.grad(
-            loss, list(self.field.parameters()), allow_unused=True, materialize_grads=True
+            torch.stack(losses).sum(),
+            list(self.field.parameters()),
+            allow_unused=True,
+            materialize_grads=True,
         )
-        return {term: total.detach() for term, total in totals.items()}, gradients
+        return totals, gradients
 
 
-@dataclass(frozen=True)
-class Piece:
-    """Points evaluated together, at `order`. shares: each term's weight over the number of its points."""
+def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
+    """Pieces to evaluate at once, the dearest first: parts of one order laid end to end and cut equally.
 
-    sample: Sample
-    angles: Float[Tensor, " n"]
-    order: int
-    shares: dict[Term, float]
+    As many as a whole number for every one of the crew, so that none waits long for another; a handful of
+    points stays together, since a piece has a price of its own.
+    """
+    pieces: list[list[Part]] = []
+    for order in sorted({part.order for part in parts}, reverse=True):
+        row = [part for part in parts if part.order == order]
+        count = sum(len(part.sample) for part in row)
+        number = crew * -(-count // (crew * chunk)) if count >= crew * LEAST else -(-count // chunk)
+        ends = [count * (i + 1) // number for i in range(number)]
+        pieces += between(row, ends)
+    return sorted(pieces, key=cost, reverse=True)
+
+
+def between(row: list[Part], ends: list[int]) -> list[list[Part]]:
+    """Parts laid end to end, cut at `ends`."""
+    borders = itertools.accumulate((len(part.sample) for part in row), initial=0)
+    pieces: list[list[Part]] = [[] for _ in ends]
+    for part, first in zip(row, borders, strict=False):
+        last = first + len(part.sample)
+        spans = [(max(first, a), min(last, b)) for a, b in itertools.pairwise([0, *ends])]
+        sizes = [max(0, b - a) for a, b in spans]
+        for piece, fragment in zip(pieces, part.split(sizes), strict=True):
+            if len(fragment.sample):
+                piece.append(fragment)
+    return pieces
+
+
+def cost(piece: list[Part]) -> int:
+    """Of a piece's arithmetic, in forward passes of one point."""
+    return PASSES[piece[0].order] * sum(len(part.sample) for part in piece)
 
 
 def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:

@@ -11,7 +11,6 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
-import trimesh
 from jaxtyping import Int64
 
 from weingarten.atomic import check_writable, replacing
@@ -114,6 +113,9 @@ def _read_obj(path: Path) -> Mesh:
 
 
 def _read_trimesh(path: Path, **options: bool) -> Mesh:
+    # a third of a second to import, which a fit need not spend
+    import trimesh
+
     # process=True would merge vertices nearer than 1e-8, a thousandth of a part of size 1e-5
     loaded = trimesh.load_mesh(path, process=False, **options)
     if not isinstance(loaded, trimesh.Trimesh):

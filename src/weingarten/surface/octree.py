@@ -159,15 +159,15 @@ class Octree:
         offset: Int[np.ndarray, " 3"],
         depth: Int[np.ndarray, " n"],
     ) -> tuple[Float32[np.ndarray, " n"], Float32[np.ndarray, " n"]]:
-        """Bounds at one of the 27 half-way nodes of every cell, from those at the cell's corners."""
-        if not (offset == 1).any():
-            corner = int(offset @ (4, 2, 1)) // 2
-            return lows[corner], highs[corner]
-        reach = [self._reach * float(np.linalg.norm(offset - 2 * corner)) for corner in _CORNERS]
-        low, high = lows[0] - np.float32(reach[0]), highs[0] + np.float32(reach[0])
-        for corner in range(1, 8):
-            np.maximum(low, lows[corner] - np.float32(reach[corner]), out=low)
-            np.minimum(high, highs[corner] + np.float32(reach[corner]), out=high)
+        """Bounds at one of the 27 half-way nodes of every cell, from those at the nearest of its corners."""
+        distance = np.array([float(np.linalg.norm(offset - 2 * corner)) for corner in _CORNERS])
+        near = np.nonzero(distance == distance.min())[0]
+        low, high = lows[near].max(axis=0), highs[near].min(axis=0)
+        if len(near) == 1:
+            return low, high
+        reach = np.float32(self._reach * distance.min())
+        low -= reach
+        high += reach
         cap = self._cap(depth)
         return np.maximum(low, cap), np.maximum(high, cap)
 
