@@ -20,8 +20,8 @@ from weingarten.calculus.product import product
 from weingarten.crew import Crew
 
 A, B, C, TIMES = 3.4445, -4.7750, 2.0315, 5
-"""x ← Ax + Bx³ + Cx⁵, so often: singular values from 10⁻³ to 1 end between 0.46 and 1.21, most near 0.9 (Jordan
-et al. 2024). Exact polar factors, which are larger, were worse: docs/performance.md."""
+"""x ← Ax + Bx³ + Cx⁵, so often: singular values from 10⁻³ to 1 end in 0.46 … 1.21 (Jordan et al. 2024).
+Exact polar factors, which are larger, made worse meshes (docs/performance.md)."""
 
 
 class Muon:
@@ -60,7 +60,7 @@ class Muon:
 
 
 def polar(matrix: Float[Tensor, "n m"]) -> Float[Tensor, "n m"]:
-    """U Vᵀ of the singular value decomposition U S Vᵀ, roughly: every singular value is near 0.9 instead of 1.
+    """U Vᵀ of the singular value decomposition U S Vᵀ, roughly: singular values end around 0.9 instead of 1.
 
     Those below a thousandth of the Frobenius norm stay smaller. Zero for a zero matrix.
     """
