@@ -123,15 +123,10 @@ class Loop:
 
     def accumulate(self, progress: float) -> dict[str, float]:
         """Add the loss's gradient at `progress` to the field's and return each term's mean residual."""
-        weights = self.weights(progress)
-        drawn = self.draws(self.count(progress), self.generator)
-        samples = {name: sample.to(self.device) for name, sample in drawn.items()}
-        counts = {term: sum(term.taken(len(samples[name])) for name in term.domains) for term in weights}
-        shares = {term: weight / counts[term] for term, weight in weights.items()}
-        parts = [part for name, sample in samples.items() for part in self.parts(name, sample, shares)]
+        parts, counts = self.plan(progress)
         pieces = cut(parts, self.crew.size, self.chunk)
-        seen = {term: sum(len(part.sample) for part in parts if term in part.shares) for term in weights}
-        sums: dict[Term, Tensor | float] = dict.fromkeys(weights, 0.0)
+        seen = {term: sum(len(part.sample) for part in parts if term in part.shares) for term in counts}
+        sums: dict[Term, Tensor | float] = dict.fromkeys(counts, 0.0)
         for totals, gradients in self.crew.map(self.differentiated, pieces):
             for term, total in totals.items():
                 sums[term] = sums[term] + total
@@ -139,6 +134,16 @@ class Loop:
                 weight.grad = gradient if weight.grad is None else weight.grad.add_(gradient)
         whole = {term: count if seen[term] == count else float("nan") for term, count in counts.items()}
         return {term.name: float(total) / whole[term] for term, total in sums.items()}
+
+    def plan(self, progress: float) -> tuple[list[Part], dict[Term, int]]:
+        """Fresh draws as they are to be evaluated, and how many points every term is a mean of."""
+        weights = self.weights(progress)
+        drawn = self.draws(self.count(progress), self.generator)
+        samples = {name: sample.to(self.device) for name, sample in drawn.items()}
+        counts = {term: sum(term.taken(len(samples[name])) for name in term.domains) for term in weights}
+        shares = {term: weight / counts[term] for term, weight in weights.items()}
+        parts = [part for name, sample in samples.items() for part in self.parts(name, sample, shares)]
+        return parts, counts
 
     def parts(self, domain: str, sample: Sample, shares: dict[Term, float]) -> list[Part]:
         """A domain's sample, cut where a term's share of it ends."""
