@@ -4,16 +4,20 @@ Fresh megabytes cost a page fault every four kilobytes: a third of a training st
 returns freed memory to the system (findings, "Cost of one optimisation step").
 """
 
+import math
+
 import torch
 from torch import Tensor
 
-Kind = tuple[tuple[int, ...], torch.dtype, torch.device]
+Kind = tuple[int, torch.dtype, torch.device]
 
 
 class Buffers:
-    """A free list of tensors by shape, type and device; their content is whatever was left in them.
+    """A free list of memory by size, type and device; its content is whatever was left in it.
 
-    Threads may share it: setdefault, pop and append are each one indivisible operation.
+    Sizes are powers of two, so that steps with more and more points do not each leave their own behind; what
+    a tensor does not use of its memory is never touched, and so costs nothing. Threads may share the list:
+    setdefault, pop and append are each one indivisible operation.
     """
 
     def __init__(self) -> None:
@@ -21,12 +25,22 @@ class Buffers:
 
     def take(self, like: Tensor, *shape: int) -> Tensor:
         """An uninitialised tensor of `shape`, of the type and on the device of `like`."""
+        count = math.prod(shape)
+        shelf = self.free.setdefault((capacity(count), like.dtype, like.device), [])
         try:
-            return self.free.setdefault((shape, like.dtype, like.device), []).pop()
+            memory = shelf.pop()
         except IndexError:
-            return like.new_empty(shape)
+            memory = like.new_empty(capacity(count))
+        return memory[:count].view(shape)
 
     def give_back(self, *tensors: Tensor) -> None:
         """Return tensors that nothing refers to any more."""
         for tensor in tensors:
-            self.free.setdefault((tuple(tensor.shape), tensor.dtype, tensor.device), []).append(tensor)
+            size = capacity(tensor.numel())
+            memory = tensor.as_strided((size,), (1,), 0)
+            self.free.setdefault((size, tensor.dtype, tensor.device), []).append(memory)
+
+
+def capacity(count: int) -> int:
+    """The power of two at or above `count`."""
+    return 1 << max(0, count - 1).bit_length()
