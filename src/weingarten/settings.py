@@ -13,7 +13,7 @@ class Settings:
     """Every choice of a fit, resolved; two fits with equal settings, points and device give the same mesh.
 
     steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
-    first step and at the last, linear between. rate: learning rate at its greatest.
+    first step and at the last, in stages between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the SIREN. resolution: cells along the longest side.
     """

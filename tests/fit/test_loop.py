@@ -230,10 +230,12 @@ def test_a_term_of_weight_zero_on_fewer_points_is_not_told(make_loop):
     assert math.isnan(make_loop(silent, **SMALL).advance().terms["off_diagonal_weingarten"])
 
 
-def test_points_grow_along_the_ramp(make_loop):
+def test_points_grow_along_the_ramp_in_stages(make_loop):
     counts = []
-    loop = make_loop(PAPER, ramp=(0.4, 1.6), **SMALL)
+    loop = make_loop(PAPER, ramp=(0.4, 1.6), **(SMALL | {"steps": 12}))
     draws = loop.draws
     loop.draws = lambda count, generator: (counts.append(count), draws(count, generator))[1]
     run(loop, lambda *_: None)
-    assert counts == [round(50 * (0.4 + 0.12 * step)) for step in range(10)]
+    assert counts == [20, 20, 32, 32, 44, 44, 56, 56, 68, 68, 80, 80]
+    assert loop.count(1.0) == 80
+    assert make_loop(PAPER, **SMALL).count(0.3) == 50

@@ -6,6 +6,7 @@ Every core of the crew works on a piece of its own.
 """
 
 import dataclasses
+import functools
 import itertools
 import time
 from collections.abc import Callable
@@ -23,11 +24,14 @@ from weingarten.scan.draws import Draws
 from weingarten.scan.sample import Sample
 from weingarten.terms.term import Term
 
-CHUNK, GPU_CHUNK = 1024, 65536
+CHUNK, GPU_CHUNK = 2048, 65536
 """Points a piece at most: on a CPU enough for the products and few enough for the cache, on a GPU many."""
 
-LEAST = 128
-"""Points a piece at least, where there is a choice."""
+STAGES = 6
+"""Sizes that a step's draws take on along the ramp."""
+
+LEAST = 2000
+"""Arithmetic of a piece at least, in forward passes of one point, where there is a choice."""
 
 PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}
 """Forward passes that a point's jet and its derivative cost."""
@@ -117,9 +121,13 @@ class Loop:
         return {term: schedule(progress) for term, schedule in self.method.terms.items()}
 
     def count(self, progress: float) -> int:
-        """Points of each domain: few at first, when any show the way, many when only the noise is left."""
+        """Points of each domain: few at first, when any show the way, many when only the noise is left.
+
+        In stages, since every new size costs the matrix library some milliseconds and some memory.
+        """
         first, last = self.ramp
-        return max(1, round(self.points * (first + (last - first) * progress)))
+        stage = min(STAGES - 1, int(progress * STAGES)) / (STAGES - 1)
+        return max(1, round(self.points * (first + (last - first) * stage)))
 
     def accumulate(self, progress: float) -> dict[str, float]:
         """Add the loss's gradient at `progress` to the field's and return each term's mean residual."""
@@ -127,11 +135,13 @@ class Loop:
         pieces = cut(parts, self.crew.size, self.chunk)
         seen = {term: sum(len(part.sample) for part in parts if term in part.shares) for term in counts}
         sums: dict[Term, Tensor | float] = dict.fromkeys(counts, 0.0)
-        for totals, gradients in self.crew.map(self.differentiated, pieces):
+        gradients: list[Tensor] = []
+        for totals, gradient in self.crew.map(self.differentiated, pieces):
+            gradients.append(gradient)
             for term, total in totals.items():
                 sums[term] = sums[term] + total
-            for weight, gradient in zip(self.field.parameters(), gradients, strict=True):
-                weight.grad = gradient if weight.grad is None else weight.grad.add_(gradient)
+        if gradients:
+            self.receive(functools.reduce(torch.Tensor.add_, gradients))
         whole = {term: count if seen[term] == count else float("nan") for term, count in counts.items()}
         return {term.name: float(total) / whole[term] for term, total in sums.items()}
 
@@ -159,8 +169,14 @@ class Loop:
             start = end
         return found
 
-    def differentiated(self, piece: list[Part]) -> tuple[dict[Term, Tensor], tuple[Tensor, ...]]:
-        """A piece's sums of residuals, and the gradient of its part of the loss."""
+    def receive(self, gradient: Float[Tensor, " w"]) -> None:
+        """Add the gradient of all weights, laid end to end, to each one's own."""
+        weights = list(self.field.parameters())
+        for weight, own in zip(weights, gradient.split([w.numel() for w in weights]), strict=True):
+            weight.grad = own.view_as(weight) if weight.grad is None else weight.grad + own.view_as(weight)
+
+    def differentiated(self, piece: list[Part]) -> tuple[dict[Term, Tensor], Float[Tensor, " w"]]:
+        """A piece's sums of residuals, and the gradient of its part of the loss, laid end to end."""
         points = torch.cat([part.sample.points for part in piece])
         jet = self.calculus(points, piece[0].order, torch.cat([part.angles for part in piece]))
         totals: dict[Term, Tensor] = {}
@@ -176,7 +192,7 @@ class Loop:
             allow_unused=True,
             materialize_grads=True,
         )
-        return totals, gradients
+        return totals, torch.cat([gradient.reshape(-1) for gradient in gradients])
 
 
 def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
@@ -189,7 +205,8 @@ def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
     for order in sorted({part.order for part in parts}, reverse=True):
         row = [part for part in parts if part.order == order]
         count = sum(len(part.sample) for part in row)
-        number = crew * -(-count // (crew * chunk)) if count >= crew * LEAST else -(-count // chunk)
+        shared = PASSES[order] * count >= crew * LEAST
+        number = crew * -(-count // (crew * chunk)) if shared else -(-count // chunk)
         ends = [count * (i + 1) // number for i in range(number)]
         pieces += between(row, ends)
     return sorted(pieces, key=cost, reverse=True)
