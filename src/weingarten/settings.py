@@ -65,12 +65,12 @@ STANDARD = Settings(
     rate=5e-4,
     decay="cosine",
     clip=10.0,
-    width=256,
+    width=160,
     depth=5,
     frequency=30.0,
     resolution=256,
 )
-FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, resolution=512)
+FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, width=256, resolution=512)
 PAPER = replace(
     STANDARD,
     preset="paper",
@@ -82,6 +82,7 @@ PAPER = replace(
     optimiser="adam",
     rate=5e-5,
     decay="steady",
+    width=256,
 )
 
 PRESETS = {settings.preset: settings for settings in (STANDARD, FINE, PAPER)}

@@ -205,7 +205,7 @@ def test_a_step_is_the_same_to_the_bit_however_many_threads_there_are(make_loop,
 
 @pytest.mark.parametrize("share", [0.3, 1e-9])
 def test_a_term_with_a_share_sees_the_first_points_alone(make_loop, share):
-    partial = replace(ODW, share=share)
+    partial = replace(ODW, shares=(share,))
     terms = {partial if term is ODW else term: weight for term, weight in PAPER.terms.items()}
     loop = make_loop(replace(PAPER, terms=terms, scheduled=partial), double=True, **SMALL)
     generator = torch.Generator()
@@ -224,7 +224,7 @@ def test_a_term_with_a_share_sees_the_first_points_alone(make_loop, share):
 
 
 def test_a_term_of_weight_zero_on_fewer_points_is_not_told(make_loop):
-    partial = replace(ODW, share=0.3)
+    partial = replace(ODW, shares=(0.3,))
     terms = {partial if term is ODW else term: weight for term, weight in PAPER.terms.items()}
     silent = replace(PAPER, terms=terms, scheduled=partial).with_schedule(constant(0.0))
     assert math.isnan(make_loop(silent, **SMALL).advance().terms["off_diagonal_weingarten"])

@@ -150,7 +150,9 @@ class Loop:
         weights = self.weights(progress)
         drawn = self.draws(self.count(progress), self.generator)
         samples = {name: sample.to(self.device) for name, sample in drawn.items()}
-        counts = {term: sum(term.taken(len(samples[name])) for name in term.domains) for term in weights}
+        counts = {
+            term: sum(term.taken(name, len(samples[name])) for name in term.domains) for term in weights
+        }
         shares = {term: weight / counts[term] for term, weight in weights.items()}
         parts = [part for name, sample in samples.items() for part in self.parts(name, sample, shares)]
         return parts, counts
@@ -158,7 +160,7 @@ class Loop:
     def parts(self, domain: str, sample: Sample, shares: dict[Term, float]) -> list[Part]:
         """A domain's sample, cut where a term's share of it ends."""
         angles = 2.0 * torch.pi * torch.rand(len(sample), generator=self.generator).to(self.device)
-        terms = {term: term.taken(len(sample)) for term in shares if domain in term.domains}
+        terms = {term: term.taken(domain, len(sample)) for term in shares if domain in term.domains}
         found: list[Part] = []
         start = 0
         for end in sorted({count for term, count in terms.items() if shares[term] > 0.0}):

@@ -15,15 +15,17 @@ class Term:
     """One row of a loss: mean over the points of `domains` of `residual(jet, sample)`.
 
     name: how figures and the loss curve call it. order: the jet's order that `residual` reads.
-    share: of each domain's points, the first so many are taken: a mean over fewer, where the order is dear.
+    shares: by domain, how much of its points is taken, the first ones: a mean over fewer, where the order is
+    dear. All of them unless given.
     """
 
     name: str
     residual: Callable[[Jet, Sample], Float[Tensor, " n"]]
     domains: tuple[str, ...]
     order: int
-    share: float = 1.0
+    shares: tuple[float, ...] | None = None
 
-    def taken(self, count: int) -> int:
+    def taken(self, domain: str, count: int) -> int:
         """How many of a domain's points are taken, at least one of any."""
-        return min(count, max(1, round(self.share * count)))
+        share = 1.0 if self.shares is None else self.shares[self.domains.index(domain)]
+        return min(count, max(1, round(share * count)))
