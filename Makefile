@@ -36,8 +36,8 @@ lint: $(DEVELOPING) ## style, types, and whether README.md lists the files there
 tree: $(DEVELOPING) ## write the file tree in README.md anew, from the modules' docstrings
 	@$(BIN)/python docs/file_tree.py
 
-bench: $(INSTALLED) ## seconds and memory of one optimisation step
-	@$(BIN)/python benchmarks/step.py
+bench: $(INSTALLED) ## seconds, memory and time to quality, as one page: results/performance.md
+	@$(BIN)/python benchmarks -o results/performance.md
 
 clean: ## remove what was made, but not .venv
 	@rm -rf demo build dist .pytest_cache .ruff_cache .hypothesis

@@ -1,6 +1,7 @@
 """The paper's loss as research codes write it: autograd.grad with create_graph, all points at once.
 
-Second derivatives are products Hv by a second autograd.grad, and the backward pass goes through both.
+Second derivatives are either products Hv by one more autograd.grad (DoubleBackward) or the whole Hessian by
+three more (FullHessian); the backward pass goes through all of them.
 """
 
 import itertools
@@ -54,11 +55,15 @@ class DoubleBackward:
         on, off, by = self.field(surface), self.field(off_surface), self.field(near)
         slope_on, slope_by = gradient(on, surface), gradient(by, near)
         u, v = tangent_frame(slope_by.detach(), angles)
-        twist = (gradient((slope_by * v).sum(-1), near) * u).sum(-1) / slope_by.norm(dim=-1)
+        twist = self.mixed(slope_by, near, u, v) / slope_by.norm(dim=-1)
         slopes = torch.cat([slope_on, slope_by])
         eikonal = (slopes.square().sum(-1) - 1).square().mean()
         on_surface, off_surface_term = on.abs().mean(), torch.exp(-100 * off.abs()).mean()
         return 7000 * on_surface + 600 * off_surface_term + 50 * eikonal + weight * twist.abs().mean()
+
+    def mixed(self, slope: Tensor, points: Tensor, u: Tensor, v: Tensor) -> Tensor:
+        """uᵀHv at points with the gradient `slope`."""
+        return (gradient((slope * v).sum(-1), points) * u).sum(-1)
 
     def step(
         self, surface: Tensor, off_surface: Tensor, near: Tensor, angles: Tensor, weight: float
@@ -70,3 +75,12 @@ class DoubleBackward:
         torch.nn.utils.clip_grad_norm_(self.field.parameters(), 10.0)
         self.optimiser.step()
         return float(total.detach())
+
+
+class FullHessian(DoubleBackward):
+    """The same step with the whole 3×3 Hessian, row by row."""
+
+    def mixed(self, slope: Tensor, points: Tensor, u: Tensor, v: Tensor) -> Tensor:
+        """uᵀHv at points with the gradient `slope`."""
+        hessian = torch.stack([gradient(row, points) for row in slope.unbind(-1)], dim=1)
+        return (u * (hessian * v.unsqueeze(1)).sum(-1)).sum(-1)
