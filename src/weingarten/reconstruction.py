@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 from torch import nn
 
-from weingarten.crew import crew_for
+from weingarten.crew import Crew, crew_for
 from weingarten.device import chosen_device
 from weingarten.errors import CheckpointError, FitError
 from weingarten.fields.siren import Siren
@@ -134,7 +134,7 @@ def reconstruct(
     if oracle is not None:
         oracle.choose(loop)
     clock.phase("extracting")
-    mesh, mesh_notes = surface(loop.field, origin, unit, settings.resolution)
+    mesh, mesh_notes = surface(loop.field, origin, unit, settings.resolution, loop.crew)
     for note in mesh_notes:
         observer.note(note)
     clock.phase("measuring")
@@ -245,9 +245,11 @@ def fit(
     return finished, last[0] if last else None
 
 
-def surface(module: nn.Module, origin: Origin, unit: Points, resolution: int) -> tuple[Mesh, tuple[str, ...]]:
+def surface(
+    module: nn.Module, origin: Origin, unit: Points, resolution: int, crew: Crew
+) -> tuple[Mesh, tuple[str, ...]]:
     """The field's surface without ghosts, unit frame, and notes on what was done to it."""
-    values = field_values(module, crew_for(next(module.parameters()).device))
+    values = field_values(module, crew)
     found = extraction(values, np.array(origin.lower), np.array(origin.upper), resolution, batch=1 << 17)
     mesh = drop_ghosts(found.mesh, unit)
     if len(mesh.faces) == len(found.mesh.faces):
@@ -268,5 +270,5 @@ def remesh(
         raise CheckpointError(
             "The run was fitted with a network of its own; extract it in Python."
         ) from error
-    mesh, notes = surface(field.to(device), found.origin, frame.to_unit(points), resolution)
+    mesh, notes = surface(field.to(device), found.origin, frame.to_unit(points), resolution, crew_for(device))
     return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes

@@ -86,7 +86,7 @@ PAPER = replace(
 )
 
 PRESETS = {settings.preset: settings for settings in (STANDARD, FINE, PAPER)}
-"""A part in under a minute on two cores; detailed parts; arXiv 2511.03147 to the letter."""
+"""A part in about a quarter of a minute on two cores; detailed parts; arXiv 2511.03147 to the letter."""
 
 
 def resolve(

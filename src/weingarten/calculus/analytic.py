@@ -116,7 +116,9 @@ class _Jet(torch.autograd.Function):
         tape: _Tape = ctx.tape
         ctx.tape = None
         n = len(tape.points)
-        value, gradient, *block = (*bars, None, None, None, None)[:5]
+        # all that follows is linear in the cotangents, so the ω of V = ωW is theirs from the beginning
+        scaled = (None if bar is None else tape.frequency * bar for bar in bars)
+        value, gradient, *block = (*scaled, None, None, None, None)[:5]
         if tape.order >= TANGENT:
             tape.push_backward(*block)
         if tape.order >= GRADIENT:
@@ -255,11 +257,14 @@ class _Tape:
             self.y[layer] = delta_bar if y is None else y.add_(delta_bar)
 
     def forward_backward(self, value: Float[Tensor, " n"]) -> tuple[list[Tensor], list[Tensor]]:
-        """From the value's cotangent, and all that came before, to the gradients of weights and biases."""
+        """From the value's cotangent, and all that came before, to the gradients of weights and biases.
+
+        Cotangents come multiplied by ω, which the head, alone among the layers, has not.
+        """
         head = (self.inputs[-1] @ value).unsqueeze(0)
         if self.order >= GRADIENT:
             head += self.lambda_bars[-1].sum(1)
-        weights, biases = [head], [value.sum().unsqueeze(0)]
+        weights, biases = [head / self.frequency], [value.sum().unsqueeze(0) / self.frequency]
         a_bar = self.head.t() * value
         for layer in reversed(range(self.depth)):
             w, y = self.w[layer], self.y[layer]
@@ -268,8 +273,8 @@ class _Tape:
             z_bar = a_bar.mul_(self.cos[layer])
             if y is not None:
                 z_bar.addcmul_(self.sin(layer), y, value=-1.0)
-            weights.append(self.outer(layer, z_bar).mul_(self.frequency))
-            biases.append(z_bar.sum(1).mul_(self.frequency))
+            weights.append(self.outer(layer, z_bar))
+            biases.append(z_bar.sum(1))
             if layer > 0:
                 a_bar = product(self.Vt[layer], z_bar)
         return weights[::-1], biases[::-1]

@@ -151,7 +151,17 @@ def sentences(output: Path, result: "Result") -> list[str]:
 
 def repeated(arguments: argparse.Namespace) -> str:
     """The options that make the resumed fit the same fit."""
-    names = ("preset", "method", "schedule", "knots", "steps", "points_per_step", "seed", "oracle")
+    names = (
+        "preset",
+        "method",
+        "schedule",
+        "knots",
+        "steps",
+        "points_per_step",
+        "resolution",
+        "seed",
+        "oracle",
+    )
     given = {name: getattr(arguments, name) for name in names}
     given = {name: value for name, value in given.items() if value not in (None, "standard", 0)}
     return "".join(f" --{name.replace('_', '-')} {value}" for name, value in given.items())

@@ -5,16 +5,13 @@ from dataclasses import dataclass
 
 import psutil
 
-from weingarten.fit.loop import Loop
+from weingarten.fit.loop import Loop, cost
 
 NODES_PER_CELL_SQUARED = 9.5
 """Field evaluations of an extraction over resolution², measured on CAD parts at 256 and 512."""
 
 BYTES_PER_CELL_SQUARED = 3_000
 """Memory of an extraction over resolution², measured likewise."""
-
-FORWARD_SHARE = 1.0 / 21.0
-"""A forward pass of one point over the arithmetic of a step's three points (findings: 21 units)."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +34,11 @@ def estimate(loop: Loop, resolution: int) -> Estimate:
     state = loop.generator.get_state()
     with loop.crew:
         seconds = [timed(loop, progress) for progress in (0.0, 0.0, 1.0)][1:]
+    passes = cost(loop.plan(1.0)[0])
     loop.generator.set_state(state)
     loop.field.zero_grad()
     step = sum(seconds) / 2.0
-    forward = seconds[0] * FORWARD_SHARE / loop.count(0.0)
+    forward = seconds[-1] / passes
     return Estimate(
         step=step,
         training=step * (loop.steps - loop.step),

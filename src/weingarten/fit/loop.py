@@ -228,9 +228,9 @@ def between(row: list[Part], ends: list[int]) -> list[list[Part]]:
     return pieces
 
 
-def cost(piece: list[Part]) -> int:
-    """Of a piece's arithmetic, in forward passes of one point."""
-    return PASSES[piece[0].order] * sum(len(part.sample) for part in piece)
+def cost(parts: list[Part]) -> int:
+    """Arithmetic, in forward passes of one point."""
+    return sum(PASSES[part.order] * len(part.sample) for part in parts)
 
 
 def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:
