@@ -65,7 +65,7 @@ PAPER_TERMS = {
     EIKONAL: constant(50.0),
     OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"],
 }
-FEW_EIKONAL = replace(EIKONAL_ABSOLUTE, shares=(0.25, 1.0))
+FEW_EIKONAL = replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0))
 FEW_ODW = replace(OFF_DIAGONAL_WEINGARTEN, shares=(0.125,))
 """The dear terms on fewer points: the same mean, and its noise is not what limits a fit."""
 

@@ -17,7 +17,7 @@ REACH = 1.1
 NEIGHBOURS = 50
 """σ of a near-surface draw is the distance to this neighbour (method §1)."""
 
-POOL = 200_000
+POOL = 120_000
 """Off-surface points whose signed distance is worked out once, before the first step."""
 
 FAR, SPREAD = 0.3, 0.06
