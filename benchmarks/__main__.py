@@ -11,12 +11,12 @@ import shlex
 import sys
 from pathlib import Path
 
-from machine import commit, machine, today
 from process import measured
 from scaling import CLOUDS
 
 from weingarten.atomic import check_writable, replacing
 from weingarten.errors import OutputError
+from weingarten.report.provenance import commit, machine, today
 
 HEADINGS = {
     "step": "One optimisation step",
@@ -25,6 +25,7 @@ HEADINGS = {
     "scaling": "How time and memory grow",
 }
 FOLDER = Path(__file__).resolve().parent
+ROOT = FOLDER.parent
 
 
 def section(name: str, options: list[str]) -> str:
@@ -38,7 +39,7 @@ def section(name: str, options: list[str]) -> str:
 def page(options: dict[str, list[str]]) -> str:
     """The page, with what each script is given beside its defaults."""
     sections = [section(name, options.get(name, [])) for name in HEADINGS]
-    facts = f"- date: {today()}\n- commit: {commit()}\n- machine: {machine()}\n"
+    facts = f"- date: {today()}\n- commit: {commit(ROOT)}\n- machine: {machine()}\n"
     return "\n".join(["# Benchmarks\n", facts, *sections])
 
 

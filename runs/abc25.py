@@ -12,10 +12,8 @@ A fit's seconds and peak memory are those of the whole `weingarten fit` process,
 
 import argparse
 import csv
-import datetime
 import json
 import os
-import platform
 import statistics
 import subprocess
 import sys
@@ -23,6 +21,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+
+from weingarten.report.provenance import commit, machine, today
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(sys.executable).parent / "weingarten"
@@ -75,7 +75,7 @@ def measured(command: list[str], log: Path) -> tuple[str, float, float]:
 def record_of(truth: Path, folder: Path, chosen: argparse.Namespace) -> dict:
     """Sample, fit and evaluate one part; everything that is to be known of it."""
     program = str(PROGRAM)
-    record = {"part": truth.stem, "commit": commit(), "machine": machine(), "date": str(today())}
+    record = {"part": truth.stem, "commit": commit(ROOT), "machine": machine(), "date": str(today())}
     folder.mkdir(parents=True, exist_ok=True)
     cloud, mesh, log = (folder / name for name in ("cloud.ply", "mesh.ply", "log.txt"))
     log.unlink(missing_ok=True)
@@ -190,39 +190,6 @@ def table(
 def said(records: list[dict], key: str) -> str:
     """What the records say under a key; all of it, where they differ."""
     return ", ".join(sorted({record[key] for record in records}))
-
-
-def commit() -> str:
-    """The checked-out commit, and whether the source differs from it."""
-    git = ["git", "-C", str(ROOT)]
-    try:
-        name = subprocess.check_output([*git, "rev-parse", "--short=12", "HEAD"], text=True).strip()
-        changes = subprocess.check_output([*git, "status", "--porcelain", "--", "src"], text=True)
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
-    return name + (" with changes" if changes else "")
-
-
-def machine() -> str:
-    """Processor, threads and versions."""
-    code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
-    torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
-    gpu = ", CUDA" if cuda == "True" else ", no GPU"
-    python = platform.python_version()
-    return f"{processor()}, {os.cpu_count()} cores, {threads} threads{gpu}, torch {torch}, Python {python}"
-
-
-def processor() -> str:
-    """The processor's name."""
-    info = Path("/proc/cpuinfo")
-    text = info.read_text(encoding="utf-8") if info.exists() else ""
-    names = [line.split(":", 1)[1].strip() for line in text.splitlines() if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
-
-
-def today() -> datetime.date:
-    """Today, in universal time."""
-    return datetime.datetime.now(datetime.UTC).date()
 
 
 def name_of(chosen: argparse.Namespace) -> str:

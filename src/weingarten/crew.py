@@ -36,7 +36,7 @@ class Threads(Crew):
 
     Within `with crew:` this also holds for the calling thread, whose own operations would otherwise wake
     torch's other threads; these stay awake for a while and take the cores. Answers keep the order of the
-    tasks, so what is computed does not depend on the number of threads.
+    tasks, so what is computed from the same tasks does not depend on the number of threads.
     """
 
     def __init__(self, size: int) -> None:

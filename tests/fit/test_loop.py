@@ -189,7 +189,7 @@ def test_the_schedule_spans_the_fit(make_loop):
     assert seen == [3.0] * 5 + [2.0] * 4 + [0.0]
 
 
-def test_a_step_is_the_same_to_the_bit_however_many_threads_there_are(make_loop, signed_draws):
+def test_a_step_of_the_same_pieces_is_the_same_to_the_bit_with_any_number_of_threads(make_loop, signed_draws):
     moved = []
     for crew in (Crew(), Threads(1), Threads(3)):
         loop = make_loop(METHODS["odw"], draws=signed_draws, chunk=16, crew=crew, **SMALL)

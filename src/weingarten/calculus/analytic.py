@@ -220,7 +220,7 @@ class _Tape:
     def push_backward(self, uu: Tensor | None, uv: Tensor | None, vv: Tensor | None) -> None:
         """From the tangent block's cotangents to t̄, w and y."""
         half = torch.zeros_like(self.points[:, 0]) if uv is None else 0.5 * uv
-        G_u, G_v = self.take(), self.take()
+        G_u, G_v, twice = (self.take() for _ in range(3))
         p_bars: tuple[Tensor, Tensor] | None = None
         for layer in reversed(range(self.depth)):
             t_u, t_v = self.tangents[layer]
@@ -232,7 +232,7 @@ class _Tape:
             if vv is not None:
                 G_v.addcmul_(t_v, vv)
             self.w[layer] = torch.mul(t_u, G_u, out=self.take()).addcmul_(t_v, G_v)
-            twice = torch.mul(self.q[layer], -2.0, out=self.take())
+            torch.mul(self.q[layer], -2.0, out=twice)
             t_bars = (torch.mul(twice, G_u, out=self.take()), torch.mul(twice, G_v, out=self.take()))
             if p_bars is not None:
                 self.y[layer] = torch.mul(t_u, p_bars[0], out=self.take()).addcmul_(t_v, p_bars[1])

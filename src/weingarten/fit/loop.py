@@ -201,7 +201,8 @@ def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
     """Pieces to evaluate at once, the dearest first: parts of one order laid end to end and cut equally.
 
     As many as a whole number for every one of the crew, so that none waits long for another; a handful of
-    points stays together, since a piece has a price of its own.
+    points stays together, since a piece has a price of its own. The pieces, and with them the last bits of
+    the sums over them, are those of this size of the crew.
     """
     pieces: list[list[Part]] = []
     for order in sorted({part.order for part in parts}, reverse=True):

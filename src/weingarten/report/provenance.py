@@ -7,15 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-
 
 def machine() -> str:
-    """Processor, cores, threads and versions."""
-    code = "import torch; print(torch.__version__, torch.get_num_threads())"
-    torch, threads = subprocess.check_output([sys.executable, "-c", code], text=True).split()
+    """Processor, cores, threads, GPU and versions, as a fresh process of this Python sees them."""
+    code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
+    torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
+    gpu = ", CUDA" if cuda == "True" else ", no GPU"
     python = platform.python_version()
-    return f"{processor()}, {os.cpu_count()} cores, {threads} threads, torch {torch}, Python {python}"
+    return f"{processor()}, {os.cpu_count()} cores, {threads} threads{gpu}, torch {torch}, Python {python}"
 
 
 def processor() -> str:
@@ -26,9 +25,9 @@ def processor() -> str:
     return names[0] if names else platform.processor() or platform.machine()
 
 
-def commit() -> str:
-    """The checked-out commit, and whether the source differs from it."""
-    git = ["git", "-C", str(ROOT)]
+def commit(repository: Path) -> str:
+    """The checked-out commit, and whether the source differs from it; "unknown" without git."""
+    git = ["git", "-C", str(repository)]
     try:
         name = subprocess.check_output([*git, "rev-parse", "--short=12", "HEAD"], text=True).strip()
         changes = subprocess.check_output([*git, "status", "--porcelain", "--", "src"], text=True)
