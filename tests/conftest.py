@@ -8,6 +8,8 @@ import torch
 from hypothesis import HealthCheck, settings
 from jaxtyping import install_import_hook
 
+import weingarten.calculus.kernels  # noqa: F401  before the hook: what numba compiles cannot be wrapped
+
 HOOK = install_import_hook("weingarten", "beartype.beartype")
 torch.set_num_threads(1)
 # A busy machine is slow, not wrong; and the same examples everywhere make a failure one that can be repeated.

@@ -9,6 +9,7 @@ from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.finite_difference import FiniteDifference
 from weingarten.calculus.jet import Calculus
+from weingarten.calculus.native import Native, suits
 from weingarten.errors import OptionError
 from weingarten.fields.siren import Siren
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
@@ -21,8 +22,10 @@ from weingarten.terms.term import Term
 
 
 def exact(field: nn.Module) -> Calculus:
-    """Analytic jets of a SIREN, autograd's of any other module."""
-    return Analytic(field) if isinstance(field, Siren) else Autodiff(field)
+    """Exact jets: native ones of a float32 SIREN on a CPU, analytic ones of any other, else autograd's."""
+    if not isinstance(field, Siren):
+        return Autodiff(field)
+    return Native(field) if suits(field) else Analytic(field)
 
 
 def finite_difference(field: nn.Module) -> Calculus:

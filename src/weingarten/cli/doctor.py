@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Examine and print."""
     import torch
 
-    from weingarten.calculus.product import ONEDNN
+    from weingarten.calculus.kernels import LANES
     from weingarten.cli.memory import keep_freed_memory
     from weingarten.device import chosen_device
 
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         "versions": versions(),
         "device": name,
         "threads": torch.get_num_threads(),
-        "onednn": ONEDNN,
+        "lanes": LANES,
         "missing": {extra: f'pip install "weingarten[{extra}]"' for extra in EXTRAS if not installed(extra)},
         "presets": costs(device),
     }
@@ -96,7 +96,7 @@ def lines(found: dict) -> list[str]:
     """The findings for a person."""
     from weingarten.cli.progress import duration
 
-    shown = [f"{key}: {found[key]}" for key in ("platform", "python", "device", "threads", "onednn")]
+    shown = [f"{key}: {found[key]}" for key in ("platform", "python", "device", "threads", "lanes")]
     shown += [f"{package} {number}" for package, number in found["versions"].items()]
     shown += [f"missing: {extra} ({command})" for extra, command in found["missing"].items()]
     shown += [

@@ -97,10 +97,12 @@ class Loop:
     crew: Crew = dataclasses.field(default_factory=Crew)
     step: int = 0
     calculus: Calculus = dataclasses.field(init=False)
+    parameters: list[nn.Parameter] = dataclasses.field(init=False)
 
     def __post_init__(self) -> None:
         self.calculus = self.method.calculus(self.field)
-        self.device = next(self.field.parameters()).device
+        self.parameters = list(self.field.parameters())
+        self.device = self.parameters[0].device
 
     def advance(self) -> Record:
         """Take one step and say what it saw."""
@@ -173,8 +175,8 @@ class Loop:
 
     def receive(self, gradient: Float[Tensor, " w"]) -> None:
         """Add the gradient of all weights, laid end to end, to each one's own."""
-        weights = list(self.field.parameters())
-        for weight, own in zip(weights, gradient.split([w.numel() for w in weights]), strict=True):
+        sizes = [weight.numel() for weight in self.parameters]
+        for weight, own in zip(self.parameters, gradient.split(sizes), strict=True):
             weight.grad = own.view_as(weight) if weight.grad is None else weight.grad + own.view_as(weight)
 
     def differentiated(self, piece: list[Part]) -> tuple[dict[Term, Tensor], Float[Tensor, " w"]]:
@@ -189,10 +191,7 @@ class Loop:
                 losses.append(share * total)
                 totals[term] = totals.get(term, 0.0) + total.detach()
         gradients = torch.autograd.grad(
-            torch.stack(losses).sum(),
-            list(self.field.parameters()),
-            allow_unused=True,
-            materialize_grads=True,
+            torch.stack(losses).sum(), self.parameters, allow_unused=True, materialize_grads=True
         )
         return totals, torch.cat([gradient.reshape(-1) for gradient in gradients])
 
