@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PROGRAM = "import sys; from weingarten.cli.main import main; sys.exit(main())"
+PROGRAM = "from weingarten.cli.main import command; command()"
 SMALL = ["--points-per-step", "200", "--resolution", "48"]
 
 

@@ -5,13 +5,14 @@ import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
 from scipy.spatial import KDTree
 
 from weingarten.calculus.exact import Box, Difference, Sphere, Torus, Union
 from weingarten.frame import Frame
 from weingarten.samples.parts import PARTS, sample_part
 from weingarten.scan.draws import REACH
-from weingarten.scan.free_space import FreeSpace, open_views
+from weingarten.scan.free_space import TOLD, FreeSpace, gaps, open_views
 
 TORUS, BLOCK, BALL = Torus(ring=0.7, tube=0.25), Box(half=(1.0, 0.6, 0.4)), Sphere()
 
@@ -171,3 +172,13 @@ def test_open_views_counts_the_directions_in_which_the_boundary_is_seen():
     assert (views[:, :, 3] == 0).all()
     free[0] = free[4] = free[:, 0] = free[:, 4] = free[:, :, 0] = False
     assert open_views(free)[2, 2, 2] == 0
+
+
+@pytest.mark.parametrize("share", [1e-4, 1e-2, 0.5])
+def test_gaps_are_those_of_a_distance_transform_up_to_a_few_cells(share):
+    marked = np.random.default_rng(0).random((40, 23, 31)) < share
+    exact = distance_transform_edt(~marked, sampling=0.3)
+    near = exact <= TOLD * 0.3
+    assert near.any()
+    np.testing.assert_allclose(gaps(marked, 0.3)[near], exact[near], rtol=1e-6)
+    assert (gaps(marked, 0.3)[~near] > TOLD * 0.3).all()

@@ -4,8 +4,10 @@ Nothing heavy is imported before a verb runs, so that `weingarten --help` answer
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from weingarten.cli import doctor, evaluate, fit, mesh, sample
 from weingarten.errors import WeingartenError
@@ -59,3 +61,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write(f"weingarten {arguments.verb}: interrupted.\n")
         return 130
+
+
+def command() -> NoReturn:
+    """The installed command: main, without the half second that torch takes to be taken apart at the end."""
+    code = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)

@@ -30,7 +30,7 @@ CHUNK, GPU_CHUNK = 2048, 65536
 STAGES = 6
 """Sizes that a step's draws take on along the ramp."""
 
-LEAST = 2000
+LEAST = 1000
 """Arithmetic of a piece at least, in forward passes of one point, where there is a choice."""
 
 PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int8, Int32
-from scipy.ndimage import binary_dilation, distance_transform_edt, label
+from scipy.ndimage import binary_dilation, label
 from scipy.spatial import KDTree
 
 SHELLS = (1.65, 2.0, 2.4)
@@ -33,6 +33,10 @@ CELLS = 160
 
 LEAST_VIEWS, MANY_VIEWS = 1, 3
 """Of the six axis directions, how many must be open for an outside cell, with an inside found and without."""
+
+TOLD, BEYOND = 8, 190
+"""Cells up to which a distance is told: a shell is some 2.5 of them wide, what lies beside it 6.8. And what
+stands for the square of more; with TOLD² added it still fits into a byte."""
 
 OUTSIDE = 1
 """The number `label` gives to the room that holds the padded corner: it comes first in scan order."""
@@ -124,8 +128,20 @@ def grid_distance(
 
 
 def gaps(marked: Bool[np.ndarray, "a b c"], cell: float) -> Float32[np.ndarray, "a b c"]:
-    """Distance of every cell's centre to the nearest marked cell's."""
-    return np.asarray(distance_transform_edt(~marked, sampling=cell), dtype=np.float32)
+    """Distance of every cell's centre to the nearest marked cell's, up to TOLD cells; beyond, more than that.
+
+    The square of it, in cells, is the least over shifts along one axis after the other: a tenth of the time
+    of a distance transform without a limit.
+    """
+    squared = np.where(marked, np.uint8(0), np.uint8(BEYOND))
+    for axis in range(3):
+        line = np.moveaxis(squared, axis, 0)
+        before = line.copy()
+        for shift in range(1, TOLD + 1):
+            further = before + np.uint8(shift * shift)
+            np.minimum(line[shift:], further[:-shift], out=line[shift:])
+            np.minimum(line[:-shift], further[shift:], out=line[:-shift])
+    return np.sqrt(squared, dtype=np.float32) * np.float32(cell)
 
 
 def connected(free: Bool[np.ndarray, "a b c"]) -> Int32[np.ndarray, "a b c"]:

@@ -10,8 +10,8 @@ from weingarten.calculus.jet import VALUE
 from weingarten.crew import Crew
 from weingarten.methods import exact
 
-PIECE, GPU_PIECE = 1024, 1 << 18
-"""Points that are evaluated together: few enough for a processor's cache."""
+PIECE, GPU_PIECE = 8192, 1 << 18
+"""Points that are evaluated together: few enough that every core gets some."""
 
 
 def field_values(module: nn.Module, crew: Crew) -> Callable[[Float[Tensor, "n 3"]], Float[Tensor, " n"]]:
