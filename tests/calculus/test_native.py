@@ -219,3 +219,9 @@ def test_polar_is_the_polynomial_of_singular_values(size):
     for _ in range(5):
         s = a * s + b * s**3 + c * s**5
     np.testing.assert_allclose(kernels.polar(matrix, (a, b, c), 5), (u * s) @ vt, rtol=0, atol=1e-5)
+
+
+def test_without_a_place_to_keep_machine_code_it_is_compiled_anew():
+    names = {}
+    exec("def doubled(x):\n    return 2 * x", names)  # of no file, so there is nowhere to keep it beside
+    assert kernels.machine_code(fastmath=True)(names["doubled"])(21) == 42

@@ -48,8 +48,22 @@ ROWS, LANES = (8, 16) if WIDE else (4, 8)
 
 PANEL = 2 * LANES
 
-compiled: Any = njit(nogil=True, cache=True, fastmath=True, error_model="numpy")
-precisely: Any = njit(nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
+
+def machine_code(fastmath):
+    """njit without the interpreter's lock, kept on disk where there is a place for it, else compiled anew."""
+
+    def decorated(function):
+        options = {"nogil": True, "fastmath": fastmath, "error_model": "numpy"}
+        try:
+            return njit(cache=True, **options)(function)
+        except (RuntimeError, OSError):
+            return njit(**options)(function)
+
+    return decorated
+
+
+compiled: Any = machine_code(fastmath=True)
+precisely: Any = machine_code(fastmath={"contract"})
 emitted: Any = intrinsic(prefer_literal=True)
 
 
