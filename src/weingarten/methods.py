@@ -10,6 +10,7 @@ from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.finite_difference import FiniteDifference
 from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
+from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.terms.dirichlet import DIRICHLET
@@ -21,8 +22,8 @@ from weingarten.terms.term import Term
 
 
 def exact(field: nn.Module) -> Calculus:
-    """Analytic jets of a SIREN, autograd's of any other module."""
-    return Analytic(field) if isinstance(field, Siren) else Autodiff(field)
+    """Analytic jets of a SIREN or an ensemble of them, autograd's of any other module."""
+    return Analytic(field) if isinstance(field, Siren | Ensemble) else Autodiff(field)
 
 
 def finite_difference(field: nn.Module) -> Calculus:

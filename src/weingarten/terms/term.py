@@ -20,7 +20,7 @@ class Term:
     """
 
     name: str
-    residual: Callable[[Jet, Sample], Float[Tensor, " n"]]
+    residual: Callable[[Jet, Sample], Float[Tensor, "n *m"]]
     domains: tuple[str, ...]
     order: int
     shares: tuple[float, ...] | None = None
