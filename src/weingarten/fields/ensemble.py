@@ -66,3 +66,8 @@ class Ensemble(nn.Module):
         for weight, bias in zip(list(self.weights)[:-1], list(self.biases)[:-1], strict=True):
             a = torch.sin(self.frequency * torch.baddbmm(bias.unsqueeze(-2), a, weight.mT))
         return torch.baddbmm(self.biases[-1].unsqueeze(-2), a, self.weights[-1].mT).squeeze(-1).t()
+
+
+def members(field: nn.Module) -> tuple[int, ...]:
+    """What an ensemble adds to the shape of everything that each part has: (m,); for any other field ()."""
+    return (len(field),) if isinstance(field, Ensemble) else ()
