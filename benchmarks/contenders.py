@@ -64,12 +64,12 @@ def engine(settings: Settings, at: int, turn: int) -> Stepper:
     """Step number `at` of a fit, over and over, as `weingarten fit` takes it; its arithmetic is counted."""
     import torch
 
-    from weingarten.fit.loop import cost
+    from weingarten.fit.pieces import cost
     from weingarten.reconstruction import prepared
     from weingarten.samples.parts import sample_part
 
     loop = prepared(sample_part("flange", 30_000, 0), settings, torch.device("cpu"))
-    passes = sum(cost([part]) for part in loop.plan(at / settings.steps)[0])
+    passes = cost(loop.plan(loop.outline(at / settings.steps)))
     multiplications = 3 * settings.width + (settings.depth - 1) * settings.width**2
 
     def step() -> None:
@@ -89,6 +89,7 @@ def plain(kind: str) -> Callable[[int], Stepper]:
 
         from weingarten.reconstruction import prepared
         from weingarten.samples.parts import sample_part
+        from weingarten.scan.sample import NEAR
         from weingarten.settings import resolve
 
         settings = resolve("paper", points=points)
@@ -96,8 +97,8 @@ def plain(kind: str) -> Callable[[int], Stepper]:
         code = getattr(double_backward, kind)()
 
         def step() -> None:
-            samples = [sample.points for sample in loop.draws(points, loop.generator).values()]
-            code.step(*samples, 2 * torch.pi * torch.rand(points, generator=loop.generator), 10.0)
+            samples = loop.draws(points, loop.generator)
+            code.step(*(sample.points for sample in samples.values()), samples[NEAR].turns, 10.0)
 
         return Stepper(step, nullcontext())
 

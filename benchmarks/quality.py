@@ -22,9 +22,10 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import EXACT
-from weingarten.reconstruction import Points, origin_of, prepared, surface
+from weingarten.reconstruction import Points, prepared, surface
 from weingarten.samples.parts import PARTS, part_mesh, sample_part
 from weingarten.settings import resolve
+from weingarten.start import origin_of
 
 METHODS = ("odw", "odw-fd")
 POINTS, RESOLUTION = 30_000, 128

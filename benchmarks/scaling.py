@@ -60,9 +60,10 @@ def resolution_row(resolution: int) -> Row:
     import torch
 
     from weingarten.frame import Frame
-    from weingarten.reconstruction import origin_of, prepared
+    from weingarten.reconstruction import prepared
     from weingarten.samples.parts import sample_part
     from weingarten.settings import resolve
+    from weingarten.start import origin_of
     from weingarten.surface.contour import extraction
     from weingarten.surface.values import field_values
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from weingarten.metrics.protocol import PROTOCOLS
     from weingarten.reconstruction import Result, reconstruct
     from weingarten.settings import PRESETS, Settings, resolve
+    from weingarten.together import reconstruct_many
     from weingarten.world_field import WorldField
 
 HOME = {
@@ -31,6 +32,7 @@ HOME = {
     "read_mesh": "io.mesh",
     "read_points": "io.points",
     "reconstruct": "reconstruction",
+    "reconstruct_many": "together",
     "resolve": "settings",
     "write_mesh": "io.mesh",
 }
@@ -46,6 +48,7 @@ __all__ = [
     "read_mesh",
     "read_points",
     "reconstruct",
+    "reconstruct_many",
     "resolve",
     "write_mesh",
 ]

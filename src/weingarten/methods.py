@@ -11,6 +11,7 @@ from weingarten.calculus.finite_difference import FiniteDifference
 from weingarten.calculus.jet import Calculus
 from weingarten.calculus.native import Native, suits
 from weingarten.errors import OptionError
+from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.terms.dirichlet import DIRICHLET
@@ -22,10 +23,13 @@ from weingarten.terms.term import Term
 
 
 def exact(field: nn.Module) -> Calculus:
-    """Exact jets: native ones of a float32 SIREN on a CPU, analytic ones of any other, else autograd's."""
-    if not isinstance(field, Siren):
-        return Autodiff(field)
-    return Native(field) if suits(field) else Analytic(field)
+    """Exact jets: native ones of a float32 SIREN on a CPU, analytic ones of any other and of an ensemble.
+
+    Of any other module, autograd's.
+    """
+    if isinstance(field, Siren) and suits(field):
+        return Native(field)
+    return Analytic(field) if isinstance(field, Siren | Ensemble) else Autodiff(field)
 
 
 def finite_difference(field: nn.Module) -> Calculus:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import torch
 from jaxtyping import Float64
-from scipy.spatial import KDTree
 from torch import nn
 
 from weingarten.crew import Crew, crew_for
@@ -17,28 +16,20 @@ from weingarten.fields.siren import Siren
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
 from weingarten.fit.estimate import estimate
-from weingarten.fit.loop import CHUNK, GPU_CHUNK, Loop, Record, run
-from weingarten.fit.optimisers import OPTIMISERS, RATES
+from weingarten.fit.loop import Loop, Record, run
 from weingarten.fit.run_folder import Keeper, NoFolder, RunFolder
-from weingarten.frame import Frame
 from weingarten.mesh import Mesh
 from weingarten.observer import Observer
 from weingarten.oracle import Oracle
-from weingarten.scan.diagnose import diagnose
-from weingarten.scan.draws import REACH, CloudDraws, Draws, SignedDraws
-from weingarten.scan.free_space import FreeSpace
 from weingarten.settings import Settings, resolve
+from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, summarise
 from weingarten.surface.contour import extraction
 from weingarten.surface.repair import drop_ghosts
 from weingarten.surface.values import field_values
-from weingarten.terms.free_space import FREE_SPACE
 from weingarten.world_field import WorldField
 
 Points = Float64[np.ndarray, "n 3"]
-
-MARGIN = 0.05
-"""Room left around the cloud for the surface, unit lengths."""
 
 CHECKPOINT_SECONDS = 2.0
 """Seconds between checkpoints: what a kill can lose."""
@@ -56,6 +47,15 @@ class Result:
     summary: Summary
     settings: Settings
     finished: bool
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a fit ended: steps taken, whether these were all, and the loss of the last, None where none was."""
+
+    steps: int
+    finished: bool
+    loss: float | None
 
 
 @dataclass
@@ -108,15 +108,9 @@ def reconstruct(
     target = chosen_device(device)
     keeper = keeper_of(run_folder)
     clock.phase("preparing")
-    diagnosis = diagnose(np.asarray(points, dtype=np.float64))
-    cloud = diagnosis.points
-    frame = Frame.of(cloud)
-    unit = frame.to_unit(cloud)
-    tree = KDTree(unit)
-    generator = torch.Generator().manual_seed(settings.seed)
-    loop, notes = first_loop(settings, unit, tree, generator, module, target)
-    origin = origin_of(settings, frame, unit, cloud)
-    notes = (*diagnosis.notes, *notes)
+    start = Start.of(points, settings, target, module)
+    loop = loop_of(settings, start.field, start.draws, start.generator)
+    origin = start.origin
     oracle = None if truth is None else Oracle(truth)
     found = None
     if resume:
@@ -125,32 +119,43 @@ def reconstruct(
         found.restore(loop)
         if oracle is not None:
             oracle.restore(found)
-    for note in notes:
+    for note in start.notes:
         observer.note(note)
-    keeper.begin(origin, cloud, found)
+    keeper.begin(origin, start.cloud, found)
     observer.expect(estimate(loop, settings.resolution), settings.steps)
     clock.phase("fitting")
     finished, loss = fit(loop, origin, keeper, observer, oracle)
     if oracle is not None:
         oracle.choose(loop)
+    result = concluded(start, loop.field, Ending(loop.step, finished, loss), clock, loop.crew)
+    keeper.finish(result.mesh, result.summary)
+    return result
+
+
+def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew: Crew) -> Result:
+    """The result of a fit that has come to its end: the field's surface, measured. Ends the clock.
+
+    Raises ExtractionError when the field has no surface.
+    """
     clock.phase("extracting")
-    mesh, mesh_notes = surface(loop.field, origin, unit, settings.resolution, loop.crew)
-    for note in mesh_notes:
-        observer.note(note)
+    mesh, notes = surface(field, start.origin, start.unit, start.settings.resolution, crew)
+    for note in notes:
+        clock.observer.note(note)
     clock.phase("measuring")
-    world = Mesh(frame.to_world(mesh.vertices), mesh.faces)
-    notes = (*notes, *mesh_notes)
-    summary = summarise(cloud, world, loop.step, settings.steps, finished, loss, clock.seconds, notes)
+    world = Mesh(start.frame.to_world(mesh.vertices), mesh.faces)
+    notes = (*start.notes, *notes)
+    of_steps = start.settings.steps
+    summary = summarise(
+        start.cloud, world, ending.steps, of_steps, ending.finished, ending.loss, clock.seconds, notes
+    )
     clock.phase("")
-    keeper.finish(world, summary)
-    return Result(world, WorldField(loop.field, frame), summary, settings, finished)
+    return Result(world, WorldField(field, start.frame), summary, start.settings, ending.finished)
 
 
 def prepared(points: Points, settings: Settings, device: torch.device) -> Loop:
     """The loop of a fit before its first step, for those who only want to know what it costs."""
-    unit = Frame.of(points).to_unit(points)
-    generator = torch.Generator().manual_seed(settings.seed)
-    return first_loop(settings, unit, KDTree(unit), generator, None, device)[0]
+    start = Start.of(points, settings, device)
+    return loop_of(settings, start.field, start.draws, start.generator)
 
 
 def keeper_of(run_folder: str | Path | Keeper | None) -> Keeper:
@@ -158,56 +163,6 @@ def keeper_of(run_folder: str | Path | Keeper | None) -> Keeper:
     if run_folder is None:
         return NoFolder()
     return RunFolder(Path(run_folder)) if isinstance(run_folder, str | Path) else run_folder
-
-
-def first_loop(
-    settings: Settings,
-    unit: Points,
-    tree: KDTree,
-    generator: torch.Generator,
-    module: nn.Module | None,
-    device: torch.device,
-) -> tuple[Loop, tuple[str, ...]]:
-    """The loop before its first step, and notes on the signs that free space gave."""
-    network = module or Siren(settings.width, settings.depth, settings.frequency, generator)
-    network = network.to(device)
-    method = settings.resolved_method()
-    draws: Draws
-    notes: tuple[str, ...] = ()
-    if FREE_SPACE in method.terms:
-        space = FreeSpace.of(unit, tree, REACH)
-        draws, notes = SignedDraws(unit, tree, space, generator), space.notes
-    else:
-        draws = CloudDraws(unit, tree)
-    crew = crew_for(device)
-    loop = Loop(
-        field=network,
-        method=method,
-        draws=draws,
-        generator=generator,
-        optimisers=OPTIMISERS[settings.optimiser](network, crew),
-        rate=RATES[settings.decay],
-        base_rate=settings.rate,
-        steps=settings.steps,
-        points=settings.points,
-        clip=settings.clip,
-        ramp=settings.ramp,
-        chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
-        crew=crew,
-    )
-    return loop, notes
-
-
-def origin_of(settings: Settings, frame: Frame, unit: Points, cloud: Points) -> Origin:
-    """What a checkpoint of this fit belongs to, and the box its surface is looked for in."""
-    lower = np.maximum(unit.min(axis=0) - MARGIN, -REACH)
-    upper = np.minimum(unit.max(axis=0) + MARGIN, REACH)
-    return Origin(settings, frame, checkpoint.fingerprint(cloud), triple(lower), triple(upper))
-
-
-def triple(vector: Float64[np.ndarray, " 3"]) -> tuple[float, float, float]:
-    """Three plain floats."""
-    return float(vector[0]), float(vector[1]), float(vector[2])
 
 
 def fit(
@@ -222,20 +177,18 @@ def fit(
         keeper.save(loop, origin, tensors, extra)
 
     def each(record: Record, seconds: float) -> None:
-        nonlocal saved
-        if not np.isfinite(record.loss):
-            raise FitError(f"The loss became {record.loss} at step {record.step}; try another --seed.")
+        check_finite(record)
         last[:] = [record.loss]
         keeper.record(record, seconds)
         observer.step(record, loop.steps, seconds)
-        if time.monotonic() - saved > CHECKPOINT_SECONDS:
-            save()
-            saved = time.monotonic()
 
     satisfied = False
 
     def stop() -> bool:
-        nonlocal satisfied
+        nonlocal satisfied, saved
+        if time.monotonic() - saved > CHECKPOINT_SECONDS:
+            save()
+            saved = time.monotonic()
         satisfied = oracle is not None and oracle.watch(loop, origin)
         return satisfied or observer.interrupted()
 
@@ -243,6 +196,12 @@ def fit(
     finished = run(loop, each, stop) or satisfied
     save()
     return finished, last[0] if last else None
+
+
+def check_finite(record: Record) -> None:
+    """Raise FitError where the loss is none."""
+    if not np.isfinite(record.loss):
+        raise FitError(f"The loss became {record.loss} at step {record.step}; try another --seed.")
 
 
 def surface(

@@ -1,11 +1,10 @@
 """The paper's loss and loop, slow and obvious: plain autograd, double backward, torch's own Adam.
 
 Written from design notes §1, 2 and 4 alone. Of the package it uses the draws and the frame's convention for
-angles only, so that it sees the same points and directions.
+their angles only, so that it sees the same points and directions.
 """
 
 import itertools
-import math
 
 import torch
 from torch import Tensor
@@ -91,10 +90,10 @@ def curve(
     optimiser = torch.optim.Adam(parameters, lr=5e-5)
     losses = []
     for step in range(steps):
-        points = {domain: sample.points for domain, sample in draws(count, generator).items()}
-        angles = {domain: 2 * math.pi * torch.rand(count, generator=generator) for domain in points}
+        samples = draws(count, generator)
+        points = {domain: sample.points for domain, sample in samples.items()}
         optimiser.zero_grad()
-        total = loss(parameters, points, angles[NEAR], schedule(name, step / steps), h)
+        total = loss(parameters, points, samples[NEAR].angles, schedule(name, step / steps), h)
         total.backward()
         torch.nn.utils.clip_grad_norm_(parameters, 10.0)
         optimiser.step()

@@ -6,14 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
-from weingarten.fit.loop import LEAST, PASSES, Part, cost, cut
+from weingarten.fit.pieces import LEAST, PASSES, Part, cost, cut
 from weingarten.scan.sample import Sample
 from weingarten.terms.dirichlet import DIRICHLET
 
 
 def part(first, count, order):
     marks = torch.arange(first, first + count, dtype=torch.float64)
-    return Part(Sample(marks.unsqueeze(-1).expand(-1, 3)), marks, order, {DIRICHLET: 1.0})
+    return Part(Sample(marks.unsqueeze(-1).expand(-1, 3), angles=marks), order, (DIRICHLET,))
 
 
 def parts_of(counts_and_orders):
@@ -35,9 +35,9 @@ def test_every_point_is_in_one_piece_with_its_angle_and_order(rows, crew, chunk)
         assert 0 < sum(len(p.sample) for p in piece) <= chunk
         assert len({p.order for p in piece}) == 1
         for p in piece:
-            assert torch.equal(p.sample.points[:, 0], p.angles)
-            seen += [(int(mark), p.order) for mark in p.angles]
-    expected = [(int(mark), p.order) for p in parts for mark in p.angles]
+            assert torch.equal(p.sample.points[:, 0], p.sample.angles)
+            seen += [(mark, p.order) for mark in p.sample.angles.tolist()]
+    expected = [(mark, p.order) for p in parts for mark in p.sample.angles.tolist()]
     assert sorted(seen) == sorted(expected)
 
 
@@ -59,3 +59,7 @@ def test_the_dearest_piece_comes_first():
     costs = [cost(piece) for piece in cut(parts_of([(300, VALUE), (300, TANGENT), (300, GRADIENT)]), 1, 100)]
     assert costs == sorted(costs, reverse=True)
     assert sum(costs) == 300 * (3 + 6 + 12)
+
+
+def test_no_piece_is_empty_where_the_crew_does_not_divide_the_points():
+    assert len(cut(parts_of([(2100, TANGENT)]), 8, 1)) == 2100

@@ -5,6 +5,7 @@ import torch
 
 from weingarten.crew import Crew, Threads
 from weingarten.fit.adam import Adam
+from weingarten.fit.clip import clip
 from weingarten.fit.muon import Muon, polar
 
 
@@ -90,3 +91,90 @@ def test_muon_is_the_same_however_many_threads_there_are():
         moved.append(weights)
     for weights in moved[1:]:
         assert all(torch.equal(one, other) for one, other in zip(moved[0], weights, strict=True))
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (10, 16)])
+def test_polar_of_a_batch_is_that_of_each_matrix(shape):
+    generator = torch.Generator().manual_seed(0)
+    matrices = torch.randn(3, *shape, generator=generator, dtype=torch.float64)
+    matrices *= torch.tensor([1e-6, 1.0, 1e6], dtype=torch.float64).view(3, 1, 1)
+    for one, matrix in zip(polar(matrices), matrices, strict=True):
+        torch.testing.assert_close(one, polar(matrix), rtol=0, atol=1e-13)
+
+
+def stack(count=3):
+    """Weights of so many parts, one scale each, and the same alone."""
+    generator = torch.Generator().manual_seed(0)
+    whole = torch.randn(count, 8, 8, generator=generator, dtype=torch.float64)
+    return whole, [own.clone() for own in whole]
+
+
+@pytest.mark.parametrize("build", [Adam, lambda weights: Muon(weights, Crew())])
+def test_a_stack_of_weights_moves_as_each_would_alone(build):
+    whole, alone = stack()
+    together, apart = build([whole]), [build([own]) for own in alone]
+    generator = torch.Generator().manual_seed(1)
+    for _ in range(4):
+        whole.grad = torch.randn(whole.shape, generator=generator, dtype=torch.float64)
+        whole.grad *= torch.tensor([1e-3, 1.0, 1e3], dtype=torch.float64).view(3, 1, 1)
+        together.step(1e-2)
+        for own, gradient, optimiser in zip(alone, whole.grad, apart, strict=True):
+            own.grad = gradient.clone()
+            optimiser.step(1e-2)
+    torch.testing.assert_close(whole, torch.stack(alone), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("build", [Adam, lambda weights: Muon(weights, Crew())])
+def test_a_part_that_explodes_moves_no_other(build):
+    moved = []
+    for last in (1.0, float("nan"), float("inf")):
+        whole, _ = stack()
+        optimiser = build([whole])
+        whole.grad = torch.ones_like(whole)
+        whole.grad[2] = last
+        clip([whole.grad], 1.0, 1)
+        optimiser.step(1e-2)
+        moved.append(whole)
+    for whole in moved[1:]:
+        assert not whole[2].isfinite().any()
+        assert torch.equal(whole[:2], moved[0][:2])
+
+
+@pytest.mark.parametrize("build", [Adam, lambda weights: Muon(weights, Crew())])
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_factors_on_the_device_move_weights_as_numbers_do(build, dtype):
+    moved = []
+    for tensors in (False, True):
+        weights = [torch.ones(33, 33, dtype=dtype), torch.ones(16, 5, dtype=dtype)]
+        optimiser, generator = build(weights), torch.Generator().manual_seed(0)
+        for _ in range(3):
+            for weight in weights:
+                weight.grad = torch.randn(weight.shape, generator=generator, dtype=dtype)
+            factors = optimiser.factors(1e-2)
+            optimiser.move(*(torch.tensor(factors, dtype=dtype).unbind() if tensors else factors))
+        moved.append(weights)
+    assert all(torch.equal(one, other) for one, other in zip(*moved, strict=True))
+
+
+def test_clipping_is_that_of_torch_for_every_part():
+    generator = torch.Generator().manual_seed(0)
+    gradients = [torch.randn(3, *shape, generator=generator) for shape in ((5, 4), (5,))]
+    scale = torch.tensor([1e-3, 1.0, 1e3])
+    gradients = [own * scale.view(3, *[1] * (own.dim() - 1)) for own in gradients]
+    expected = []
+    for i in range(3):
+        weights = [torch.zeros_like(own[i]).requires_grad_(True) for own in gradients]
+        for weight, own in zip(weights, gradients, strict=True):
+            weight.grad = own[i].clone()
+        torch.nn.utils.clip_grad_norm_(weights, 2.0)
+        expected.append([weight.grad for weight in weights])
+    clip(gradients, 2.0, 1)
+    for own, others in zip(gradients, zip(*expected, strict=True), strict=True):
+        torch.testing.assert_close(own, torch.stack(others))
+
+
+def test_clipping_one_field_may_be_of_a_single_number_or_of_nothing():
+    gradient = torch.tensor(-4.0)
+    clip([gradient], 1.0, 0)
+    assert float(gradient) == pytest.approx(-1.0, rel=1e-5)
+    clip([], 1.0, 0)

@@ -40,9 +40,8 @@ def next_points(loop):
     """The points and near-surface angles that the loop's next step will see."""
     generator = torch.Generator()
     generator.set_state(loop.generator.get_state())
-    points = {name: sample.points for name, sample in loop.draws(loop.points, generator).items()}
-    angles = {name: 2 * torch.pi * torch.rand(loop.points, generator=generator) for name in points}
-    return points, angles[NEAR]
+    samples = loop.draws(loop.points, generator)
+    return {name: sample.points for name, sample in samples.items()}, samples[NEAR].angles
 
 
 def scheduled(method, name):

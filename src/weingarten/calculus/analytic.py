@@ -1,4 +1,4 @@
-"""Exact jets of a SIREN by one forward, one reverse and two tangent streams, with a hand-written backward.
+"""Exact jets of SIRENs by one forward, one reverse and two tangent streams, with a hand-written backward.
 
 Method §3. Layer l = 0 … L−1 of a SIREN, with ω folded into V = ωW and c = ωb:
 
@@ -13,8 +13,9 @@ cotangent: z̄ = ∂loss/∂z. Every stream gives ∂loss/∂V_l one outer produ
     ∂loss/∂V_l = z̄_l a_{l−1}ᵀ + δ_l λ̄_{l−1}ᵀ + t̄_l(u) p_{l−1}(u)ᵀ + t̄_l(v) p_{l−1}(v)ᵀ.
 
 A stream is an array (width, n), a column a point: as the formulas above are written, and so that neither
-these products nor those with V and Vᵀ have to copy a transpose of n columns. Arithmetic, in forward passes a
-point: value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8.
+these products nor those with V and Vᵀ have to copy a transpose of n columns. Of an ensemble of m SIRENs it is
+(m, width, n), V is (m, width, width), and every product is m of them. Arithmetic, in forward passes a point:
+value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8.
 """
 
 from threading import Lock
@@ -22,33 +23,32 @@ from typing import Any
 
 import torch
 from jaxtyping import Float
-from torch import Tensor
+from torch import Tensor, nn
 
 from weingarten.calculus.buffers import Buffers
 from weingarten.calculus.jet import GRADIENT, TANGENT, Jet, tangent_frame
-from weingarten.calculus.product import product
-from weingarten.calculus.sine import cos, sin
+from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 
 
 class Analytic:
-    """The calculus of one SIREN: `Analytic(field)(points, order, angles)` is its jet.
+    """The calculus of one SIREN, or of an ensemble: `Analytic(field)(points, order, angles)` is its jet.
 
     Differentiable once with respect to the field's weights; not with respect to the points.
     """
 
-    def __init__(self, field: Siren) -> None:
+    def __init__(self, field: Siren | Ensemble) -> None:
         self.field = field
         self.buffers = Buffers()
         self.lock = Lock()
         self.scaled: _Scaled | None = None
 
     def __call__(
-        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
+        self, points: Float[Tensor, "n *m 3"], order: int, angles: Float[Tensor, "n *m"] | None = None
     ) -> Jet:
         """See `weingarten.calculus.jet.Calculus`."""
         if angles is None:
-            angles = points.new_zeros(len(points))
+            angles = points.new_zeros(points.shape[:-1])
         field = self.field
         # within a Function's forward the grad mode is off, and needs_input_grad ignores no_grad
         trains = torch.is_grad_enabled() and any(weight.requires_grad for weight in field.parameters())
@@ -66,17 +66,17 @@ class Analytic:
 class _Scaled:
     """ω times the weights and biases of the sine layers, and these weights transposed; without a graph."""
 
-    def __init__(self, field: Siren) -> None:
+    def __init__(self, field: Siren | Ensemble) -> None:
         self.version = version(field)
         self.frequency = field.frequency
         with torch.no_grad():
             self.V = [field.frequency * weight for weight in list(field.weights)[:-1]]
             self.c = [(field.frequency * bias).unsqueeze(-1) for bias in list(field.biases)[:-1]]
-            self.Vt = [V.t().contiguous() for V in self.V]
+            self.Vt = [V.mT.contiguous() for V in self.V]
             self.head, self.offset = field.weights[-1].detach(), field.biases[-1].detach()
 
 
-def version(field: Siren) -> list[tuple[int, int]]:
+def version(field: nn.Module) -> list[tuple[int, int]]:
     """Where the weights lie and how often they were written to; writes through `.data` are not counted."""
     return [(weight.data_ptr(), weight._version) for weight in field.parameters()]
 
@@ -87,9 +87,9 @@ class _Jet(torch.autograd.Function):
     @staticmethod
     def forward(
         ctx: Any,
-        points: Float[Tensor, "n 3"],
+        points: Float[Tensor, "n *m 3"],
         order: int,
-        angles: Float[Tensor, " n"],
+        angles: Float[Tensor, "n *m"],
         trains: bool,
         buffers: Buffers,
         scaled: _Scaled,
@@ -115,17 +115,26 @@ class _Jet(torch.autograd.Function):
             raise RuntimeError("a jet can be differentiated once: its buffers have been handed back")
         tape: _Tape = ctx.tape
         ctx.tape = None
-        n = len(tape.points)
         # all that follows is linear in the cotangents, so the ω of V = ωW is theirs from the beginning
-        scaled = (None if bar is None else tape.frequency * bar for bar in bars)
+        scaled = (None if bar is None else tape.frequency * columns(bar) for bar in bars)
         value, gradient, *block = (*scaled, None, None, None, None)[:5]
         if tape.order >= TANGENT:
             tape.push_backward(*block)
         if tape.order >= GRADIENT:
-            tape.reverse_backward(tape.points.new_zeros(n, 3) if gradient is None else gradient)
-        weights, biases = tape.forward_backward(tape.points.new_zeros(n) if value is None else value)
+            tape.reverse_backward(torch.zeros_like(tape.inputs[0]) if gradient is None else gradient)
+        weights, biases = tape.forward_backward(tape.zeros() if value is None else value)
         tape.release()
         return None, None, None, None, None, None, *weights, *biases
+
+
+def columns(rows: Float[Tensor, "n *rest"]) -> Float[Tensor, "*rest n"]:
+    """The points of an array last: (n, 3) as a stream (3, n), (n, m, 3) as (m, 3, n)."""
+    return rows.movedim(0, -1)
+
+
+def rows(columns: Float[Tensor, "*rest n"]) -> Float[Tensor, "n *rest"]:
+    """The inverse of `columns`, in memory of its own."""
+    return columns.movedim(-1, 0).contiguous()
 
 
 class _Tape:
@@ -138,7 +147,7 @@ class _Tape:
 
     def __init__(
         self,
-        points: Float[Tensor, "n 3"],
+        points: Float[Tensor, "n *m 3"],
         order: int,
         trains: bool,
         buffers: Buffers,
@@ -148,11 +157,12 @@ class _Tape:
         self.has_slopes = trains or order >= GRADIENT
         self.V, self.Vt, self.c = scaled.V, scaled.Vt, scaled.c
         self.head, self.offset = scaled.head, scaled.offset
-        self.n, self.depth, self.width = len(points), len(self.V), self.head.shape[1]
+        self.depth = len(self.V)
+        self.shape = (*points.shape[1:-1], self.head.shape[-1], len(points))
         self.taken: list[Tensor] = []
-        self.inputs: list[Tensor] = [points.t()]
+        self.inputs: list[Tensor] = [columns(points)]
         self.cos: list[Tensor] = []
-        self.lambdas: list[Tensor] = [self.head.t()] * self.depth
+        self.lambdas: list[Tensor] = [self.head.mT] * self.depth
         self.deltas: list[Tensor] = [self.head] * self.depth
         self.lambda_bars: list[Tensor] = []
         self.q: list[Tensor] = []
@@ -162,48 +172,52 @@ class _Tape:
         self.w: list[Tensor | None] = [None] * self.depth
         self.y: list[Tensor | None] = [None] * self.depth
 
-    def take(self) -> Float[Tensor, "width n"]:
+    def take(self) -> Float[Tensor, "*m width n"]:
         """A buffer that lives until `release`."""
-        self.taken.append(self.buffers.take(self.points, self.width, self.n))
+        self.taken.append(self.buffers.take(self.points, *self.shape))
         return self.taken[-1]
+
+    def zeros(self) -> Float[Tensor, "*m n"]:
+        """A cotangent of values that nothing depends on."""
+        return columns(self.points.new_zeros(self.points.shape[:-1]))
 
     def release(self) -> None:
         """Hand the buffers back; the tape is spent."""
         self.buffers.give_back(*self.taken)
         self.taken.clear()
 
-    def sin(self, layer: int) -> Float[Tensor, "width n"]:
+    def sin(self, layer: int) -> Float[Tensor, "*m width n"]:
         """a_l = sin z_l."""
         return self.inputs[layer + 1]
 
-    def forward(self) -> Float[Tensor, " n"]:
+    def forward(self) -> Float[Tensor, "n *m"]:
         """f."""
         for V, c in zip(self.V, self.c, strict=True):
-            z = product(V, self.inputs[-1]).add_(c)
+            z = (V @ self.inputs[-1]).add_(c)
             if self.has_slopes:
-                self.cos.append(cos(z, out=self.take()))
-            self.inputs.append(sin(z, out=self.take() if self.has_slopes else z))
-        return (self.head @ self.inputs[-1]).squeeze(0) + self.offset
+                self.cos.append(torch.cos(z, out=self.take()))
+            self.inputs.append(torch.sin(z, out=self.take() if self.has_slopes else z))
+        return rows((self.head @ self.inputs[-1]).squeeze(-2) + self.offset)
 
-    def reverse(self) -> Float[Tensor, "n 3"]:
+    def reverse(self) -> Float[Tensor, "n *m 3"]:
         """∇f."""
         for layer in reversed(range(self.depth)):
             self.deltas[layer] = torch.mul(self.cos[layer], self.lambdas[layer], out=self.take())
             if layer > 0:
-                self.lambdas[layer - 1] = product(self.Vt[layer], self.deltas[layer])
-        return (self.Vt[0] @ self.deltas[0]).t().contiguous()
+                self.lambdas[layer - 1] = self.Vt[layer] @ self.deltas[layer]
+        return rows(self.Vt[0] @ self.deltas[0])
 
     def push(
-        self, u: Float[Tensor, "n 3"], v: Float[Tensor, "n 3"]
-    ) -> tuple[Float[Tensor, " n"], Float[Tensor, " n"], Float[Tensor, " n"]]:
+        self, u: Float[Tensor, "n *m 3"], v: Float[Tensor, "n *m 3"]
+    ) -> tuple[Float[Tensor, "n *m"], Float[Tensor, "n *m"], Float[Tensor, "n *m"]]:
         """uᵀHu, uᵀHv, vᵀHv."""
         scratch, uu, uv, vv = (self.take() for _ in range(4))
         for total in (uu, uv, vv):
             total.zero_()
-        self.pushed.append((u.t(), v.t()))
+        self.pushed.append((columns(u), columns(v)))
         for layer, V in enumerate(self.V):
             q = torch.mul(self.sin(layer), self.lambdas[layer], out=self.take())
-            t_u, t_v = (product(V, p) for p in self.pushed[layer])
+            t_u, t_v = (V @ p for p in self.pushed[layer])
             self.q.append(q)
             self.tangents.append((t_u, t_v))
             torch.mul(q, t_u, out=scratch)
@@ -215,11 +229,11 @@ class _Tape:
                 p_u = torch.mul(self.cos[layer], t_u, out=self.take())
                 p_v = torch.mul(self.cos[layer], t_v, out=self.take())
                 self.pushed.append((p_u, p_v))
-        return -uu.sum(0), -uv.sum(0), -vv.sum(0)
+        return rows(-uu.sum(-2)), rows(-uv.sum(-2)), rows(-vv.sum(-2))
 
     def push_backward(self, uu: Tensor | None, uv: Tensor | None, vv: Tensor | None) -> None:
         """From the tangent block's cotangents to t̄, w and y."""
-        half = torch.zeros_like(self.points[:, 0]) if uv is None else 0.5 * uv
+        half = (self.zeros() if uv is None else 0.5 * uv).unsqueeze(-2)
         G_u, G_v, twice = (self.take() for _ in range(3))
         p_bars: tuple[Tensor, Tensor] | None = None
         for layer in reversed(range(self.depth)):
@@ -228,9 +242,9 @@ class _Tape:
             torch.mul(t_v, half, out=G_u)
             torch.mul(t_u, half, out=G_v)
             if uu is not None:
-                G_u.addcmul_(t_u, uu)
+                G_u.addcmul_(t_u, uu.unsqueeze(-2))
             if vv is not None:
-                G_v.addcmul_(t_v, vv)
+                G_v.addcmul_(t_v, vv.unsqueeze(-2))
             self.w[layer] = torch.mul(t_u, G_u, out=self.take()).addcmul_(t_v, G_v)
             torch.mul(self.q[layer], -2.0, out=twice)
             t_bars = (torch.mul(twice, G_u, out=self.take()), torch.mul(twice, G_v, out=self.take()))
@@ -240,14 +254,14 @@ class _Tape:
                     t_bar.addcmul_(self.cos[layer], p_bar)
             self.t_bars.append(t_bars)
             if layer > 0:
-                p_bars = (product(self.Vt[layer], t_bars[0]), product(self.Vt[layer], t_bars[1]))
+                p_bars = (self.Vt[layer] @ t_bars[0], self.Vt[layer] @ t_bars[1])
         self.t_bars.reverse()
 
-    def reverse_backward(self, gradient: Float[Tensor, "n 3"]) -> None:
+    def reverse_backward(self, gradient: Float[Tensor, "*m 3 n"]) -> None:
         """From the gradient's cotangent to λ̄ and y."""
-        self.lambda_bars.append(gradient.t())
+        self.lambda_bars.append(gradient)
         for layer, V in enumerate(self.V):
-            delta_bar = product(V, self.lambda_bars[layer])
+            delta_bar = V @ self.lambda_bars[layer]
             lambda_bar = torch.mul(delta_bar, self.cos[layer], out=self.take())
             w, y = self.w[layer], self.y[layer]
             if w is not None:
@@ -256,16 +270,16 @@ class _Tape:
             delta_bar.mul_(self.lambdas[layer])
             self.y[layer] = delta_bar if y is None else y.add_(delta_bar)
 
-    def forward_backward(self, value: Float[Tensor, " n"]) -> tuple[list[Tensor], list[Tensor]]:
+    def forward_backward(self, value: Float[Tensor, "*m n"]) -> tuple[list[Tensor], list[Tensor]]:
         """From the value's cotangent, and all that came before, to the gradients of weights and biases.
 
         Cotangents come multiplied by ω, which the head, alone among the layers, has not.
         """
-        head = (self.inputs[-1] @ value).unsqueeze(0)
+        head = (self.inputs[-1] @ value.unsqueeze(-1)).mT
         if self.order >= GRADIENT:
-            head += self.lambda_bars[-1].sum(1)
-        weights, biases = [head / self.frequency], [value.sum().unsqueeze(0) / self.frequency]
-        a_bar = self.head.t() * value
+            head += self.lambda_bars[-1].sum(-1).unsqueeze(-2)
+        weights, biases = [head / self.frequency], [value.sum(-1, keepdim=True) / self.frequency]
+        a_bar = self.head.mT * value.unsqueeze(-2)
         for layer in reversed(range(self.depth)):
             w, y = self.w[layer], self.y[layer]
             if w is not None:
@@ -274,17 +288,17 @@ class _Tape:
             if y is not None:
                 z_bar.addcmul_(self.sin(layer), y, value=-1.0)
             weights.append(self.outer(layer, z_bar))
-            biases.append(z_bar.sum(1))
+            biases.append(z_bar.sum(-1))
             if layer > 0:
-                a_bar = product(self.Vt[layer], z_bar)
+                a_bar = self.Vt[layer] @ z_bar
         return weights[::-1], biases[::-1]
 
-    def outer(self, layer: int, z_bar: Float[Tensor, "width n"]) -> Float[Tensor, "width inputs"]:
+    def outer(self, layer: int, z_bar: Float[Tensor, "*m width n"]) -> Float[Tensor, "*m width inputs"]:
         """∂loss/∂V_l: the sum of the streams' outer products."""
-        total = product(z_bar, self.inputs[layer].t())
+        total = z_bar @ self.inputs[layer].mT
         if self.order >= GRADIENT:
-            total += product(self.deltas[layer], self.lambda_bars[layer].t())
+            total += self.deltas[layer] @ self.lambda_bars[layer].mT
         if self.order >= TANGENT:
             for t_bar, p in zip(self.t_bars[layer], self.pushed[layer], strict=True):
-                total += product(t_bar, p.t())
+                total += t_bar @ p.mT
         return total

@@ -8,7 +8,7 @@ from weingarten.calculus.jet import GRADIENT, VALUE, Jet, tangent_frame
 
 
 class Autodiff:
-    """The calculus of any module f: (n, 3) → (n,) that is twice differentiable.
+    """The calculus of any module f: (n, 3) → (n,), or (n, m, 3) → (n, m), that is twice differentiable.
 
     Differentiable with respect to the module's weights as often as the module allows.
     """
@@ -17,7 +17,7 @@ class Autodiff:
         self.field = field
 
     def __call__(
-        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
+        self, points: Float[Tensor, "n *m 3"], order: int, angles: Float[Tensor, "n *m"] | None = None
     ) -> Jet:
         """See `weingarten.calculus.jet.Calculus`."""
         if order == VALUE:
@@ -28,13 +28,13 @@ class Autodiff:
             gradient = differentiate(value, x)
             if order == GRADIENT:
                 return Jet(value, gradient)
-            u, v = tangent_frame(gradient, points.new_zeros(len(points)) if angles is None else angles)
+            u, v = tangent_frame(gradient, points.new_zeros(points.shape[:-1]) if angles is None else angles)
             Hu = differentiate((gradient * u).sum(-1), x)
             Hv = differentiate((gradient * v).sum(-1), x)
         return Jet(value, gradient, (Hu * u).sum(-1), (Hu * v).sum(-1), (Hv * v).sum(-1))
 
 
-def differentiate(values: Float[Tensor, " n"], points: Float[Tensor, "n 3"]) -> Float[Tensor, "n 3"]:
+def differentiate(values: Float[Tensor, "n *m"], points: Float[Tensor, "n *m 3"]) -> Float[Tensor, "n *m 3"]:
     """∂ values_i / ∂ points_i, itself differentiable; zero where the values do not depend on the points."""
     (gradient,) = torch.autograd.grad(
         values.sum(), points, create_graph=True, allow_unused=True, materialize_grads=True

@@ -26,18 +26,18 @@ class FiniteDifference:
         self.step = step
 
     def __call__(
-        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
+        self, points: Float[Tensor, "n *m 3"], order: int, angles: Float[Tensor, "n *m"] | None = None
     ) -> Jet:
         """See `weingarten.calculus.jet.Calculus`."""
         if order < TANGENT:
             return self.inner(points, order)
         jet = self.inner(points, order - 1)
-        u, v = tangent_frame(jet.slope, points.new_zeros(len(points)) if angles is None else angles)
+        u, v = tangent_frame(jet.slope, points.new_zeros(points.shape[:-1]) if angles is None else angles)
         h = self.step
         moves = torch.stack([u + v, u, v, -u - v, -u, -v]) * h
-        shifted = self.inner((points + moves).reshape(-1, 3), 0).value
-        uv_plus, u_plus, v_plus, uv_minus, u_minus, v_minus = shifted.view(6, -1)
         f = jet.value
+        shifted = self.inner((points + moves).flatten(0, 1), 0).value
+        uv_plus, u_plus, v_plus, uv_minus, u_minus, v_minus = shifted.view(6, *f.shape)
         uu = (u_plus - 2 * f + u_minus) / h**2
         vv = (v_plus - 2 * f + v_minus) / h**2
         uv = 0.5 * (uv_plus - u_plus - v_plus + 2 * f + uv_minus - u_minus - v_minus) / h**2

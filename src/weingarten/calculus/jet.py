@@ -2,7 +2,8 @@
 
 Symbols, used in every file of `calculus` and `terms`: f the field, g = ∇f, H its Hessian, n = g/‖g‖,
 (u, v) an orthonormal frame of the tangent plane, all in the unit frame. The frame is a constant for the
-optimiser: no cotangent flows through n, u, v (method §2).
+optimiser: no cotangent flows through n, u, v (method §2). Arrays of an ensemble have its members after the
+points: shapes (n, m), where one field has (n,), and (n, m, 3).
 """
 
 from dataclasses import dataclass
@@ -18,16 +19,16 @@ VALUE, GRADIENT, TANGENT = 0, 1, 2
 
 @dataclass(frozen=True)
 class Jet:
-    """Derivatives of a field at n points; what was not asked for is None.
+    """Derivatives of a field at n points, or of m fields at n points each; what was not asked for is None.
 
     value: f, unit lengths. gradient: ∇f, no unit. uu, uv, vv: uᵀHu, uᵀHv, vᵀHv, one over unit length.
     """
 
-    value: Float[Tensor, " n"]
-    gradient: Float[Tensor, "n 3"] | None = None
-    uu: Float[Tensor, " n"] | None = None
-    uv: Float[Tensor, " n"] | None = None
-    vv: Float[Tensor, " n"] | None = None
+    value: Float[Tensor, "n *m"]
+    gradient: Float[Tensor, "n *m 3"] | None = None
+    uu: Float[Tensor, "n *m"] | None = None
+    uv: Float[Tensor, "n *m"] | None = None
+    vv: Float[Tensor, "n *m"] | None = None
 
     def split(self, sizes: list[int]) -> "list[Jet]":
         """The jets of consecutive points, so many each."""
@@ -36,14 +37,14 @@ class Jet:
         return [Jet(*row) for row in zip(*rows, strict=True)]
 
     @property
-    def slope(self) -> Float[Tensor, "n 3"]:
+    def slope(self) -> Float[Tensor, "n *m 3"]:
         """The gradient, where it is known to have been asked for."""
         if self.gradient is None:
             raise ValueError("this jet was evaluated without its gradient; ask for order GRADIENT or above")
         return self.gradient
 
     @property
-    def shape_operator(self) -> tuple[Float[Tensor, " n"], Float[Tensor, " n"], Float[Tensor, " n"]]:
+    def shape_operator(self) -> tuple[Float[Tensor, "n *m"], Float[Tensor, "n *m"], Float[Tensor, "n *m"]]:
         """S₁₁, S₁₂, S₂₂ of S = (u v)ᵀ H (u v) / ‖∇f‖, the Weingarten map in the frame (method §2–3)."""
         if self.uu is None or self.uv is None or self.vv is None:
             raise ValueError("this jet was evaluated without its tangent block; ask for order TANGENT")
@@ -60,15 +61,15 @@ class Calculus(Protocol):
     """A way of differentiating a field: analytic, by autograd, or by finite differences."""
 
     def __call__(
-        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
+        self, points: Float[Tensor, "n *m 3"], order: int, angles: Float[Tensor, "n *m"] | None = None
     ) -> Jet:
         """The jet of `order` at `points`; `angles` turn the tangent frames, radians (order TANGENT)."""
         ...
 
 
 def tangent_frame(
-    gradient: Float[Tensor, "n 3"], angles: Float[Tensor, " n"]
-) -> tuple[Float[Tensor, "n 3"], Float[Tensor, "n 3"]]:
+    gradient: Float[Tensor, "n *m 3"], angles: Float[Tensor, "n *m"]
+) -> tuple[Float[Tensor, "n *m 3"], Float[Tensor, "n *m 3"]]:
     """Orthonormal (u, v) ⟂ gradient, turned by `angles` about it; detached from the graph.
 
     The frame at angle 0 is that of Duff et al. 2017, "Building an Orthonormal Basis, Revisited", eq. 4.
@@ -76,7 +77,7 @@ def tangent_frame(
     with torch.no_grad():
         n = gradient / gradient.norm(dim=-1, keepdim=True).clamp_min(SMALLEST_NORM)
         x, y, z = n.unbind(-1)
-        sign = torch.where(z < 0, -1.0, 1.0).to(n)
+        sign = 1.0 - 2.0 * (z < 0).to(n)
         a = -1.0 / (sign + z)
         b = x * y * a
         e1 = torch.stack([1.0 + sign * x * x * a, sign * b, -sign * x], dim=-1)

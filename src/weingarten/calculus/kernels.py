@@ -93,8 +93,7 @@ class Gradients(NamedTuple):
 
 def whole_panels(matrix):
     """Whether a tensor is one that `polar` takes."""
-    rows, columns = matrix.shape
-    square = rows == columns and rows % PANEL == 0
+    square = matrix.dim() == 2 and matrix.shape[0] == matrix.shape[1] and matrix.shape[0] % PANEL == 0
     return square and matrix.is_contiguous() and matrix.device.type == "cpu" and matrix.dtype == torch.float32
 
 

@@ -11,11 +11,13 @@ from collections.abc import Iterable
 import torch
 from torch import Tensor
 
+from weingarten.fit.optimiser import Factor, Optimiser
+
 FIRST, SECOND, EPSILON = 0.9, 0.999, 1e-8
 
 
-class Adam:
-    """See `weingarten.fit.optimisers.Optimiser`."""
+class Adam(Optimiser):
+    """See Optimiser. Elementwise, so that an ensemble's parts are moved as each would be alone."""
 
     def __init__(self, weights: Iterable[Tensor]) -> None:
         self.weights = list(weights)
@@ -23,18 +25,26 @@ class Adam:
         self.squares = [torch.zeros_like(weight) for weight in self.weights]
         self.steps = 0
 
-    @torch.no_grad()
-    def step(self, rate: float) -> None:
-        """Move every weight that has a gradient."""
+    @property
+    def size(self) -> int:
+        """Two."""
+        return 2
+
+    def factors(self, rate: float) -> tuple[float, ...]:
+        """−lr / (1 − β₁ᵗ) and √(1 − β₂ᵗ)."""
         self.steps += 1
-        size = rate / (1.0 - FIRST**self.steps)
-        root = (1.0 - SECOND**self.steps) ** 0.5
+        return -rate / (1.0 - FIRST**self.steps), (1.0 - SECOND**self.steps) ** 0.5
+
+    @torch.no_grad()
+    def move(self, *factors: Factor) -> None:
+        """See Optimiser."""
+        size, root = factors
         for weight, mean, square in zip(self.weights, self.means, self.squares, strict=True):
             if weight.grad is None:
                 continue
             mean.lerp_(weight.grad, 1.0 - FIRST)
             square.mul_(SECOND).addcmul_(weight.grad, weight.grad, value=1.0 - SECOND)
-            weight.addcdiv_(mean, (square.sqrt() / root).add_(EPSILON), value=-size)
+            weight.add_((mean * size).div_((square.sqrt() / root).add_(EPSILON)))
 
     def state(self) -> dict[str, Tensor]:
         """Moments and the number of steps."""

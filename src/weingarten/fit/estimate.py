@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import psutil
 
-from weingarten.fit.loop import Loop, cost
+from weingarten.fit.loop import Loop
+from weingarten.fit.pieces import cost
 
 NODES_PER_CELL_SQUARED = 9.5
 """Field evaluations of an extraction over resolution², measured on CAD parts at 256 and 512."""
@@ -34,7 +35,7 @@ def estimate(loop: Loop, resolution: int) -> Estimate:
     state = loop.generator.get_state()
     with loop.crew:
         seconds = [timed(loop, progress) for progress in (0.0, 0.0, 1.0)][1:]
-    passes = cost(loop.plan(1.0)[0])
+    passes = cost(loop.plan(loop.outline(1.0)))
     loop.generator.set_state(state)
     loop.field.zero_grad()
     step = sum(seconds) / 2.0

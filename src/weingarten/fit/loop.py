@@ -2,26 +2,32 @@
 
 A step evaluates each domain once, in pieces that stay in a processor's cache, at the highest order that a
 term on it asks for; each piece's loss is differentiated at once, so memory does not grow with the points.
-Every core of the crew works on a piece of its own.
+Every core of the crew works on a piece of its own. The parts of an ensemble step together: whatever is said
+here of the points, the loss or the gradient holds for each part by itself.
 """
 
 import dataclasses
 import functools
-import itertools
+import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Calculus
+from weingarten.calculus.jet import Calculus
 from weingarten.crew import Crew
-from weingarten.fit.optimisers import Optimiser, Rate
+from weingarten.fields.ensemble import members
+from weingarten.fit.clip import clip
+from weingarten.fit.optimiser import Factor, Optimiser
+from weingarten.fit.optimisers import Rate
+from weingarten.fit.outline import Outline
+from weingarten.fit.pieces import Part, cut
 from weingarten.methods import Method
 from weingarten.scan.draws import Draws
-from weingarten.scan.sample import Sample
+from weingarten.scan.generators import Generators
 from weingarten.terms.term import Term
 
 CHUNK, GPU_CHUNK = 2048, 65536
@@ -30,18 +36,13 @@ CHUNK, GPU_CHUNK = 2048, 65536
 STAGES = 6
 """Sizes that a step's draws take on along the ramp."""
 
-LEAST = 1000
-"""Arithmetic of a piece at least, in forward passes of one point, where there is a choice."""
-
-PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}
-"""Forward passes that a point's jet and its derivative cost."""
-
 
 @dataclass(frozen=True)
 class Record:
     """One step as the loss curve has it: means of the residuals, unweighted, and the weights at that step.
 
     A term whose weight is zero and whose derivatives no other term needs is not evaluated: its mean is NaN.
+    member: which part of an ensemble.
     """
 
     step: int
@@ -49,6 +50,7 @@ class Record:
     rate: float
     weights: dict[str, float]
     terms: dict[str, float]
+    member: int = 0
 
     @property
     def loss(self) -> float:
@@ -57,22 +59,6 @@ class Record:
             self.weights[name] * value for name, value in self.terms.items() if self.weights[name] > 0.0
         )
         return sum(weighed, 0.0)
-
-
-@dataclass(frozen=True)
-class Part:
-    """Points of one domain, taken at `order`. shares: each term's weight over the number of its points."""
-
-    sample: Sample
-    angles: Float[Tensor, " n"]
-    order: int
-    shares: dict[Term, float]
-
-    def split(self, sizes: list[int]) -> "list[Part]":
-        """Consecutive parts of these sizes."""
-        ends = list(itertools.accumulate(sizes))
-        rows = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
-        return [replace(self, sample=self.sample[row], angles=self.angles[row]) for row in rows]
 
 
 @dataclass
@@ -85,7 +71,7 @@ class Loop:
     field: nn.Module
     method: Method
     draws: Draws
-    generator: torch.Generator
+    generator: torch.Generator | Generators
     optimisers: list[Optimiser]
     rate: Rate
     base_rate: float
@@ -103,20 +89,49 @@ class Loop:
         self.calculus = self.method.calculus(self.field)
         self.parameters = list(self.field.parameters())
         self.device = self.parameters[0].device
+        self.members = members(self.field)
 
     def advance(self) -> Record:
-        """Take one step and say what it saw."""
-        progress = self.step / self.steps
-        rate = self.base_rate * self.rate(self.step, self.steps)
-        self.field.zero_grad()
-        means = self.accumulate(progress)
-        torch.nn.utils.clip_grad_norm_(self.field.parameters(), self.clip)
-        for optimiser in self.optimisers:
-            optimiser.step(rate)
-        named = {term.name: weight for term, weight in self.weights(progress).items()}
-        record = Record(self.step, progress, rate, named, means)
-        self.step += 1
+        """Take one step of one field and say what it saw."""
+        (record,) = self.stride()
         return record
+
+    def stride(self) -> list[Record]:
+        """Take a step and say what every part saw."""
+        shares, factors = self.numbers()
+        sums = self.move(self.outline(self.progress), shares, factors)
+        self.step += 1
+        return self.records(self.step - 1, sums)
+
+    @property
+    def progress(self) -> float:
+        """Of the step to come."""
+        return self.step / self.steps
+
+    def numbers(self) -> tuple[dict[Term, float], list[tuple[float, ...]]]:
+        """The shares of the step to come, and what each of the optimisers will multiply by."""
+        rate = self.base_rate * self.rate(self.step, self.steps)
+        return self.shares(self.progress), [optimiser.factors(rate) for optimiser in self.optimisers]
+
+    def move(
+        self, outline: Outline, shares: Mapping[Term, Factor], factors: Sequence[Sequence[Factor]]
+    ) -> Float[Tensor, "terms *m"]:
+        """Take one step; the sums of every term's residuals. Nothing in it asks the device for a value."""
+        self.field.zero_grad()
+        sums = self.differentiate(outline, shares)
+        gradients = [weight.grad for weight in self.parameters if weight.grad is not None]
+        clip(gradients, self.clip, len(self.members))
+        for optimiser, own in zip(self.optimisers, factors, strict=True):
+            optimiser.move(*own)
+        return sums
+
+    def records(self, step: int, sums: Float[Tensor, "terms *m"]) -> list[Record]:
+        """What every part saw at a step that gave these sums."""
+        progress = step / self.steps
+        rate = self.base_rate * self.rate(step, self.steps)
+        named = {term.name: weight for term, weight in self.weights(progress).items()}
+        means = self.means(self.outline(progress), sums)
+        return [Record(step, progress, rate, named, own, member) for member, own in enumerate(means)]
 
     def weights(self, progress: float) -> dict[Term, float]:
         """Of all terms."""
@@ -131,47 +146,54 @@ class Loop:
         stage = min(STAGES - 1, int(progress * STAGES)) / (STAGES - 1)
         return max(1, round(self.points * (first + (last - first) * stage)))
 
-    def accumulate(self, progress: float) -> dict[str, float]:
-        """Add the loss's gradient at `progress` to the field's and return each term's mean residual."""
-        parts, counts = self.plan(progress)
-        pieces = cut(parts, self.crew.size, self.chunk)
-        seen = {term: sum(len(part.sample) for part in parts if term in part.shares) for term in counts}
-        sums: dict[Term, Tensor | float] = dict.fromkeys(counts, 0.0)
+    def outline(self, progress: float) -> Outline:
+        """Of the step at `progress`."""
+        active = frozenset(term for term, weight in self.weights(progress).items() if weight > 0.0)
+        return Outline(self.count(progress), tuple(self.method.terms), active)
+
+    def shares(self, progress: float) -> dict[Term, float]:
+        """Each term's weight over the number of its points."""
+        count = self.count(progress)
+        return {term: weight / term.total(count) for term, weight in self.weights(progress).items()}
+
+    def accumulate(self, progress: float) -> list[dict[str, float]]:
+        """Add the loss's gradient at `progress` to the field's; every part's mean residuals, by term."""
+        outline = self.outline(progress)
+        return self.means(outline, self.differentiate(outline, self.shares(progress)))
+
+    def differentiate(self, outline: Outline, shares: Mapping[Term, Factor]) -> Float[Tensor, "terms *m"]:
+        """Add the loss's gradient at fresh draws to the field's; the sums of every term's residuals."""
+        chunk = max(1, self.chunk // math.prod(self.members))
+        pieces = cut(self.plan(outline), self.crew.size, chunk)
+        work = functools.partial(self.differentiated, shares=shares)
+        zero = self.parameters[0].detach().new_zeros(self.members)
+        sums: dict[Term, Tensor] = dict.fromkeys(self.method.terms, zero)
         gradients: list[Tensor] = []
-        for totals, gradient in self.crew.map(self.differentiated, pieces):
+        for totals, gradient in self.crew.map(work, pieces):
             gradients.append(gradient)
             for term, total in totals.items():
                 sums[term] = sums[term] + total
         if gradients:
             self.receive(functools.reduce(torch.Tensor.add_, gradients))
-        whole = {term: count if seen[term] == count else float("nan") for term, count in counts.items()}
-        return {term.name: float(total) / whole[term] for term, total in sums.items()}
+        return torch.stack(list(sums.values()))
 
-    def plan(self, progress: float) -> tuple[list[Part], dict[Term, int]]:
-        """Fresh draws as they are to be evaluated, and how many points every term is a mean of."""
-        weights = self.weights(progress)
-        drawn = self.draws(self.count(progress), self.generator)
+    def means(self, outline: Outline, sums: Float[Tensor, "terms *m"]) -> list[dict[str, float]]:
+        """Every part's mean residuals, by term; NaN of a term that was not evaluated at all of its points."""
+        counts = {term.name: count for term, count in outline.counts().items()}
+        rows = sums.reshape(len(sums), -1).t().tolist()
+        return [
+            {name: total / count for (name, count), total in zip(counts.items(), row, strict=True)}
+            for row in rows
+        ]
+
+    def plan(self, outline: Outline) -> list[Part]:
+        """Fresh draws as they are to be evaluated."""
+        drawn = self.draws(outline.count, self.generator)
         samples = {name: sample.to(self.device) for name, sample in drawn.items()}
-        counts = {
-            term: sum(term.taken(name, len(samples[name])) for name in term.domains) for term in weights
-        }
-        shares = {term: weight / counts[term] for term, weight in weights.items()}
-        parts = [part for name, sample in samples.items() for part in self.parts(name, sample, shares)]
-        return parts, counts
-
-    def parts(self, domain: str, sample: Sample, shares: dict[Term, float]) -> list[Part]:
-        """A domain's sample, cut where a term's share of it ends."""
-        angles = 2.0 * torch.pi * torch.rand(len(sample), generator=self.generator).to(self.device)
-        terms = {term: term.taken(domain, len(sample)) for term in shares if domain in term.domains}
-        found: list[Part] = []
-        start = 0
-        for end in sorted({count for term, count in terms.items() if shares[term] > 0.0}):
-            reaching = [term for term, count in terms.items() if count >= end]
-            order = max(term.order for term in reaching if shares[term] > 0.0)
-            known = {term: shares[term] for term in reaching if term.order <= order}
-            found.append(Part(sample[start:end], angles[start:end], order, known))
-            start = end
-        return found
+        return [
+            Part(samples[span.domain][span.start : span.end], span.order, span.terms)
+            for span in outline.spans()
+        ]
 
     def receive(self, gradient: Float[Tensor, " w"]) -> None:
         """Add the gradient of all weights, laid end to end, to each one's own."""
@@ -179,16 +201,18 @@ class Loop:
         for weight, own in zip(self.parameters, gradient.split(sizes), strict=True):
             weight.grad = own.view_as(weight) if weight.grad is None else weight.grad + own.view_as(weight)
 
-    def differentiated(self, piece: list[Part]) -> tuple[dict[Term, Tensor], Float[Tensor, " w"]]:
+    def differentiated(
+        self, piece: list[Part], shares: Mapping[Term, Factor]
+    ) -> tuple[dict[Term, Tensor], Float[Tensor, " w"]]:
         """A piece's sums of residuals, and the gradient of its part of the loss, laid end to end."""
         points = torch.cat([part.sample.points for part in piece])
-        jet = self.calculus(points, piece[0].order, torch.cat([part.angles for part in piece]))
+        jet = self.calculus(points, piece[0].order, torch.cat([part.sample.turns for part in piece]))
         totals: dict[Term, Tensor] = {}
         losses: list[Tensor] = []
         for part, own in zip(piece, jet.split([len(part.sample) for part in piece]), strict=True):
-            for term, share in part.shares.items():
-                total = term.residual(own, part.sample).sum()
-                losses.append(share * total)
+            for term in part.terms:
+                total = term.residual(own, part.sample).sum(0)
+                losses.append(shares[term] * total)
                 totals[term] = totals.get(term, 0.0) + total.detach()
         gradients = torch.autograd.grad(
             torch.stack(losses).sum(), self.parameters, allow_unused=True, materialize_grads=True
@@ -196,50 +220,18 @@ class Loop:
         return totals, torch.cat([gradient.reshape(-1) for gradient in gradients])
 
 
-def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
-    """Pieces to evaluate at once, the dearest first: parts of one order laid end to end and cut equally.
-
-    As many as a whole number for every one of the crew, so that none waits long for another; a handful of
-    points stays together, since a piece has a price of its own. The pieces, and with them the last bits of
-    the sums over them, are those of this size of the crew.
-    """
-    pieces: list[list[Part]] = []
-    for order in sorted({part.order for part in parts}, reverse=True):
-        row = [part for part in parts if part.order == order]
-        count = sum(len(part.sample) for part in row)
-        shared = PASSES[order] * count >= crew * LEAST
-        number = crew * -(-count // (crew * chunk)) if shared else -(-count // chunk)
-        ends = [count * (i + 1) // number for i in range(number)]
-        pieces += between(row, ends)
-    return sorted(pieces, key=cost, reverse=True)
-
-
-def between(row: list[Part], ends: list[int]) -> list[list[Part]]:
-    """Parts laid end to end, cut at `ends`."""
-    borders = itertools.accumulate((len(part.sample) for part in row), initial=0)
-    pieces: list[list[Part]] = [[] for _ in ends]
-    for part, first in zip(row, borders, strict=False):
-        last = first + len(part.sample)
-        spans = [(max(first, a), min(last, b)) for a, b in itertools.pairwise([0, *ends])]
-        sizes = [max(0, b - a) for a, b in spans]
-        for piece, fragment in zip(pieces, part.split(sizes), strict=True):
-            if len(fragment.sample):
-                piece.append(fragment)
-    return pieces
-
-
-def cost(parts: list[Part]) -> int:
-    """Arithmetic, in forward passes of one point."""
-    return sum(PASSES[part.order] * len(part.sample) for part in parts)
-
-
 def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:
-    """Step until the end or until `stop()`; `each` gets every record and its seconds. True if finished."""
+    """Step until the end or until `stop()`, asked before every stride. True if finished.
+
+    each: gets every record, and how many seconds its step took.
+    """
     with loop.crew:
         while loop.step < loop.steps:
             if stop():
                 return False
-            started = time.perf_counter()
-            record = loop.advance()
-            each(record, time.perf_counter() - started)
+            started, first = time.perf_counter(), loop.step
+            records = loop.stride()
+            seconds = (time.perf_counter() - started) / (loop.step - first)
+            for record in records:
+                each(record, seconds)
     return True

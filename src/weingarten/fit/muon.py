@@ -18,16 +18,16 @@ from jaxtyping import Float
 from torch import Tensor
 
 from weingarten.calculus import kernels
-from weingarten.calculus.product import product
 from weingarten.crew import Crew
+from weingarten.fit.optimiser import Factor, Optimiser
 
 A, B, C, TIMES = 3.4445, -4.7750, 2.0315, 5
 """x ← Ax + Bx³ + Cx⁵, so often: singular values from 10⁻³ to 1 end in 0.46 … 1.21 (Jordan et al. 2024).
 Exact polar factors, which are larger, made worse meshes (docs/performance.md)."""
 
 
-class Muon:
-    """For matrices alone; see `weingarten.fit.optimisers.Optimiser`.
+class Muon(Optimiser):
+    """For matrices, and ensembles of them, alone; see Optimiser.
 
     crew: who works out the matrices, one each. momentum: μ.
     """
@@ -38,18 +38,27 @@ class Muon:
         self.crew = crew
         self.momentum = momentum
 
+    @property
+    def size(self) -> int:
+        """One for each matrix."""
+        return len(self.matrices)
+
+    def factors(self, rate: float) -> tuple[float, ...]:
+        """−0.2 √max(rows, columns) · lr of every matrix."""
+        return tuple(-0.2 * math.sqrt(max(matrix.shape[-2:])) * rate for matrix in self.matrices)
+
     @torch.no_grad()
-    def step(self, rate: float) -> None:
-        """Move every matrix that has a gradient."""
-        moved: list[Tensor] = []
+    def move(self, *factors: Factor) -> None:
+        """See Optimiser."""
+        moved: list[tuple[Tensor, Factor]] = []
         wanted: list[Tensor] = []
-        for matrix, kept in zip(self.matrices, self.momenta, strict=True):
+        for matrix, kept, factor in zip(self.matrices, self.momenta, factors, strict=True):
             if matrix.grad is not None:
                 kept.mul_(self.momentum).add_(matrix.grad)
-                moved.append(matrix)
+                moved.append((matrix, factor))
                 wanted.append(matrix.grad.add(kept, alpha=self.momentum))
-        for matrix, update in zip(moved, self.crew.map(polar, wanted), strict=True):
-            matrix.add_(update, alpha=-0.2 * math.sqrt(max(matrix.shape)) * rate)
+        for (matrix, factor), update in zip(moved, self.crew.map(polar, wanted), strict=True):
+            matrix.addcmul_(update, torch.as_tensor(factor, dtype=update.dtype, device=update.device))
 
     def state(self) -> dict[str, Tensor]:
         """The momenta."""
@@ -61,7 +70,7 @@ class Muon:
             kept.copy_(state[f"momentum.{i}"])
 
 
-def polar(matrix: Float[Tensor, "n m"]) -> Float[Tensor, "n m"]:
+def polar(matrix: Float[Tensor, "*batch n m"]) -> Float[Tensor, "*batch n m"]:
     """U Vᵀ of the singular value decomposition U S Vᵀ, roughly: singular values end around 0.9 instead of 1.
 
     Those below a thousandth of the Frobenius norm stay smaller. Zero for a zero matrix.
@@ -69,9 +78,9 @@ def polar(matrix: Float[Tensor, "n m"]) -> Float[Tensor, "n m"]:
     if kernels.whole_panels(matrix):
         coefficients = tuple(np.float32(number) for number in (A, B, C))
         return torch.from_numpy(kernels.polar(matrix.numpy(), coefficients, TIMES))
-    x = matrix / matrix.norm().clamp_min(torch.finfo(matrix.dtype).tiny)
+    x = matrix / matrix.norm(dim=(-2, -1), keepdim=True).clamp_min(torch.finfo(matrix.dtype).tiny)
     for _ in range(TIMES):
-        gram = product(x, x.t())
-        polynomial = product(gram, gram).mul_(C).add_(gram, alpha=B)
-        x = product(polynomial, x).add_(x, alpha=A)
+        gram = x @ x.mT
+        polynomial = (gram @ gram).mul_(C).add_(gram, alpha=B)
+        x = (polynomial @ x).add_(x, alpha=A)
     return x

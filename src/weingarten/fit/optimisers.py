@@ -2,33 +2,17 @@
 
 import math
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
 
-from torch import Tensor, nn
+from torch import nn
 
 from weingarten.crew import Crew
+from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.fit.adam import Adam
 from weingarten.fit.muon import Muon
+from weingarten.fit.optimiser import Optimiser
 
 Rate = Callable[[int, int], float]
-
-
-@runtime_checkable
-class Optimiser(Protocol):
-    """Moves some of a field's weights by their gradients."""
-
-    def step(self, rate: float) -> None:
-        """Move the weights at this learning rate."""
-        ...
-
-    def state(self) -> dict[str, Tensor]:
-        """All that it remembers, for a checkpoint."""
-        ...
-
-    def restore(self, state: dict[str, Tensor]) -> None:
-        """Remember this; KeyError where it is another's."""
-        ...
 
 
 def adam(field: nn.Module, crew: Crew) -> list[Optimiser]:
@@ -37,11 +21,11 @@ def adam(field: nn.Module, crew: Crew) -> list[Optimiser]:
 
 
 def muon(field: nn.Module, crew: Crew) -> list[Optimiser]:
-    """Muon for the square matrices of a SIREN, Adam at the same rate for all else (findings).
+    """Muon for the square matrices of SIRENs, Adam at the same rate for all else (findings).
 
     Fields that name no hidden matrices are moved by Adam alone.
     """
-    hidden = field.hidden if isinstance(field, Siren) else []
+    hidden = field.hidden if isinstance(field, Siren | Ensemble) else []
     names = {id(weight) for weight in hidden}
     rest = [weight for weight in field.parameters() if id(weight) not in names]
     return [Adam(rest), Muon(hidden, crew)] if hidden else [Adam(rest)]

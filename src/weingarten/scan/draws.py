@@ -1,6 +1,10 @@
-"""The points of every step: fresh draws on, off and near the surface, from one seeded generator."""
+"""The points of every step: fresh draws on, off and near the surface, from one seeded generator.
 
-from typing import Protocol, runtime_checkable
+Everything lives where the generator does: on a GPU nothing of a step comes from the CPU.
+"""
+
+from dataclasses import replace
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import torch
@@ -26,9 +30,12 @@ FAR, SPREAD = 0.3, 0.06
 
 @runtime_checkable
 class Draws(Protocol):
-    """Anything that yields the samples of a step, by domain."""
+    """Anything that yields the samples of a step, by domain: `count` points of each, with angles.
 
-    def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]: ...
+    generator: torch's, or `weingarten.scan.generators.Generators` where many parts are drawn together.
+    """
+
+    def __call__(self, count: int, generator: Any) -> dict[str, Sample]: ...
 
 
 class CloudDraws:
@@ -42,20 +49,25 @@ class CloudDraws:
         self.points = torch.from_numpy(points.astype(np.float32))
         self.sigma = torch.from_numpy(neighbour_distance(tree, points, NEIGHBOURS).astype(np.float32))
 
+    def move(self, device: torch.device) -> None:
+        """Go to the device of the generator that will be drawn with."""
+        self.points, self.sigma = self.points.to(device), self.sigma.to(device)
+
     def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]:
-        """The samples of one step, on the CPU."""
-        total = len(self.points)
+        """The samples of one step, on the device of the generator."""
+        total, device = len(self.points), generator.device
         if count <= total:
-            chosen = torch.randperm(total, generator=generator)[:count]
+            chosen = torch.randperm(total, generator=generator, device=device)[:count]
         else:
-            chosen = torch.randint(total, (count,), generator=generator)
+            chosen = torch.randint(total, (count,), generator=generator, device=device)
         surface = self.points[chosen]
-        noise = torch.randn(count, 3, generator=generator) * self.sigma[chosen].unsqueeze(-1)
-        return {
+        noise = torch.randn(count, 3, generator=generator, device=device)
+        samples = {
             SURFACE: Sample(surface),
             OFF_SURFACE: self.off_surface(count, generator),
-            NEAR: Sample(surface + noise),
+            NEAR: Sample(surface + noise * self.sigma[chosen].unsqueeze(-1)),
         }
+        return {name: replace(sample, angles=angles(count, generator)) for name, sample in samples.items()}
 
     def off_surface(self, count: int, generator: torch.Generator) -> Sample:
         """Uniform in the box, nothing known."""
@@ -85,9 +97,14 @@ class SignedDraws(CloudDraws):
         self.pool = torch.cat([far, close[: POOL - len(far)]])
         self.distance = torch.from_numpy(space.signed_distance(positions(self.pool)))
 
+    def move(self, device: torch.device) -> None:
+        """See CloudDraws."""
+        super().move(device)
+        self.pool, self.distance = self.pool.to(device), self.distance.to(device)
+
     def off_surface(self, count: int, generator: torch.Generator) -> Sample:
         """Points of the pool, with signed distance or NaN."""
-        chosen = torch.randint(len(self.pool), (count,), generator=generator)
+        chosen = torch.randint(len(self.pool), (count,), generator=generator, device=generator.device)
         return Sample(self.pool[chosen], self.distance[chosen])
 
 
@@ -98,7 +115,12 @@ def positions(points: Float[Tensor, "n 3"]) -> Float64[np.ndarray, "n 3"]:
 
 def uniform_in_box(count: int, generator: torch.Generator) -> Float[Tensor, "n 3"]:
     """Uniform in [−REACH, REACH]³."""
-    return (2.0 * torch.rand(count, 3, generator=generator) - 1.0) * REACH
+    return (2.0 * torch.rand(count, 3, generator=generator, device=generator.device) - 1.0) * REACH
+
+
+def angles(count: int, generator: torch.Generator) -> Float[Tensor, " n"]:
+    """Uniform in [0, 2π)."""
+    return 2.0 * torch.pi * torch.rand(count, generator=generator, device=generator.device)
 
 
 def neighbour_distance(

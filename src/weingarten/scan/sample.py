@@ -1,38 +1,50 @@
 """What a term may know about the points it is evaluated at, beside the field."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
-SURFACE, OFF_SURFACE, NEAR = "surface", "off-surface", "near-surface"
+DOMAINS = SURFACE, OFF_SURFACE, NEAR = "surface", "off-surface", "near-surface"
 """Where points are drawn: on the cloud; uniformly in the box; on the cloud plus a Gaussian (method §1)."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Points of one domain in the unit frame.
+    """Points of one domain in the unit frame; of m parts drawn together, row k holds the k-th point of each.
 
     distance: signed distance known from free space, NaN where nothing is known; None on other domains.
+    angles: by which tangent frames are turned, radians; None where no frame will be asked for.
     """
 
-    points: Float[Tensor, "n 3"]
-    distance: Float[Tensor, " n"] | None = None
+    points: Float[Tensor, "n *m 3"]
+    distance: Float[Tensor, "n *m"] | None = None
+    angles: Float[Tensor, "n *m"] | None = None
+
+    @property
+    def turns(self) -> Float[Tensor, "n *m"]:
+        """The angles, zero where none were drawn."""
+        return self.points.new_zeros(self.points.shape[:-1]) if self.angles is None else self.angles
 
     def __len__(self) -> int:
         return len(self.points)
 
     def __getitem__(self, rows: slice) -> "Sample":
         """The points of a slice."""
-        return Sample(self.points[rows], None if self.distance is None else self.distance[rows])
+        return self.each(lambda tensor: tensor[rows])
 
     def split(self, size: int) -> "list[Sample]":
         """The same points in consecutive pieces of at most `size`."""
-        points = self.points.split(size)
-        distances = [None] * len(points) if self.distance is None else self.distance.split(size)
-        return [Sample(p, d) for p, d in zip(points, distances, strict=True)]
+        return [self[start : start + size] for start in range(0, len(self), size)]
 
     def to(self, device: torch.device) -> "Sample":
         """The same sample on another device."""
-        return Sample(self.points.to(device), None if self.distance is None else self.distance.to(device))
+        return self.each(lambda tensor: tensor.to(device))
+
+    def each(self, change: Callable[[Tensor], Tensor]) -> "Sample":
+        """The sample of changed tensors."""
+        distance = None if self.distance is None else change(self.distance)
+        angles = None if self.angles is None else change(self.angles)
+        return Sample(change(self.points), distance, angles)

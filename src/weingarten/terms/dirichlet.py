@@ -8,7 +8,7 @@ from weingarten.scan.sample import SURFACE, Sample
 from weingarten.terms.term import Term
 
 
-def residual(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|f|, unit lengths."""
     return jet.value.abs()
 

@@ -11,12 +11,12 @@ from weingarten.scan.sample import NEAR, SURFACE, Sample
 from weingarten.terms.term import Term
 
 
-def squared(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def squared(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """(‖∇f‖² − 1)², no unit: the paper's text."""
     return (jet.slope.square().sum(-1) - 1.0).square()
 
 
-def absolute(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def absolute(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|‖∇f‖ − 1|, no unit: the released code."""
     return (jet.slope.square().sum(-1).clamp_min(SMALLEST_NORM**2).sqrt() - 1.0).abs()
 

@@ -11,7 +11,7 @@ from weingarten.scan.sample import OFF_SURFACE, Sample
 from weingarten.terms.term import Term
 
 
-def residual(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|f − d| where the signed distance d is known, else 0; unit lengths."""
     if sample.distance is None:
         return jet.value * 0.0

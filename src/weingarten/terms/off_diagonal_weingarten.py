@@ -13,7 +13,7 @@ from weingarten.scan.sample import NEAR, Sample
 from weingarten.terms.term import Term
 
 
-def residual(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|S₁₂| = |uᵀ H v| / ‖∇f‖, one over unit length."""
     return jet.shape_operator[1].abs()
 

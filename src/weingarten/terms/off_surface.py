@@ -11,7 +11,7 @@ SHARPNESS = 100.0
 """α, one over unit length."""
 
 
-def residual(jet: Jet, sample: Sample) -> Float[Tensor, " n"]:
+def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """exp(−α|f|), no unit."""
     return (-SHARPNESS * jet.value.abs()).exp()
 

@@ -20,7 +20,7 @@ class Term:
     """
 
     name: str
-    residual: Callable[[Jet, Sample], Float[Tensor, " n"]]
+    residual: Callable[[Jet, Sample], Float[Tensor, "n *m"]]
     domains: tuple[str, ...]
     order: int
     shares: tuple[float, ...] | None = None
@@ -29,3 +29,7 @@ class Term:
         """How many of a domain's points are taken, at least one of any."""
         share = 1.0 if self.shares is None else self.shares[self.domains.index(domain)]
         return min(count, max(1, round(share * count)))
+
+    def total(self, count: int) -> int:
+        """How many points it is a mean of, with `count` on each domain."""
+        return sum(self.taken(domain, count) for domain in self.domains)

@@ -1,0 +1,34 @@
+"""The draws of many parts as one: row k of a sample holds the k-th point of each."""
+
+from collections.abc import Sequence
+
+import torch
+
+from weingarten.scan.draws import Draws
+from weingarten.scan.generators import Generators
+from weingarten.scan.sample import Sample
+
+
+class Interleaved:
+    """Draws of m parts, all knowing the same about their points; see `weingarten.scan.draws.Draws`."""
+
+    def __init__(self, members: Sequence[Draws]) -> None:
+        self.members = list(members)
+
+    def __call__(self, count: int, generator: Generators) -> dict[str, Sample]:
+        """The samples of one step, (count, m) points of each domain; member i draws with generator i."""
+        pairs = zip(self.members, generator.members, strict=True)
+        drawn = [draws(count, own) for draws, own in pairs]
+        return {name: side_by_side([samples[name] for samples in drawn]) for name in drawn[0]}
+
+
+def side_by_side(samples: Sequence[Sample]) -> Sample:
+    """Equally many points of each of m parts as (n, m) points."""
+    points = [sample.points for sample in samples]
+    distances = [sample.distance for sample in samples if sample.distance is not None]
+    angles = [sample.angles for sample in samples if sample.angles is not None]
+    return Sample(
+        torch.stack(points, dim=1),
+        torch.stack(distances, dim=1) if distances else None,
+        torch.stack(angles, dim=1) if angles else None,
+    )

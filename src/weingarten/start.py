@@ -1,0 +1,125 @@
+"""What a fit begins with: a cleaned cloud in its frame, a field, draws, and the loop made of them."""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float64
+from scipy.spatial import KDTree
+from torch import nn
+
+from weingarten.crew import crew_for
+from weingarten.fields.ensemble import Ensemble
+from weingarten.fields.siren import Siren
+from weingarten.fit.captured import Captured, recorder
+from weingarten.fit.checkpoint import Origin, fingerprint
+from weingarten.fit.loop import CHUNK, GPU_CHUNK, Loop
+from weingarten.fit.optimisers import OPTIMISERS, RATES
+from weingarten.frame import Frame
+from weingarten.scan.diagnose import diagnose
+from weingarten.scan.draws import REACH, CloudDraws, Draws, SignedDraws
+from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.generators import Generators
+from weingarten.settings import Settings
+from weingarten.terms.free_space import FREE_SPACE
+
+Points = Float64[np.ndarray, "n 3"]
+
+MARGIN = 0.05
+"""Room left around the cloud for the surface, unit lengths."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """One part before the first step of its fit.
+
+    cloud: the points that are of use, world units; unit: the same in the unit frame. generator: of its draws.
+    notes: what the user should know of the cloud and of the signs that free space gave.
+    """
+
+    settings: Settings
+    cloud: Points
+    frame: Frame
+    unit: Points
+    field: nn.Module
+    draws: Draws
+    generator: torch.Generator
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls, points: Points, settings: Settings, device: torch.device, module: nn.Module | None = None
+    ) -> "Start":
+        """From points in world units; `module` is fitted instead of a SIREN. Raises CloudError.
+
+        First weights and the pool of signed points are drawn on the CPU, on every device the same; the draws
+        of the steps are made on the GPU where that can.
+        """
+        diagnosis = diagnose(np.asarray(points, dtype=np.float64))
+        frame = Frame.of(diagnosis.points)
+        unit = frame.to_unit(diagnosis.points)
+        generator = torch.Generator().manual_seed(settings.seed)
+        sizes = (settings.width, settings.depth, settings.frequency)
+        field = Siren(*sizes, generator) if module is None else module
+        draws, notes = draws_of(settings, unit, generator)
+        if device.type == "cuda":
+            draws.move(device)
+            generator = torch.Generator(device).manual_seed(settings.seed)
+        notes = (*diagnosis.notes, *notes)
+        return cls(settings, diagnosis.points, frame, unit, field.to(device), draws, generator, notes)
+
+    @property
+    def origin(self) -> Origin:
+        """What a checkpoint of this fit belongs to."""
+        return origin_of(self.settings, self.frame, self.unit, self.cloud)
+
+
+def draws_of(
+    settings: Settings, unit: Points, generator: torch.Generator
+) -> tuple[CloudDraws, tuple[str, ...]]:
+    """The draws that a method needs, and notes on the signs that free space gave."""
+    tree = KDTree(unit)
+    if FREE_SPACE not in settings.resolved_method().terms:
+        return CloudDraws(unit, tree), ()
+    space = FreeSpace.of(unit, tree, REACH)
+    return SignedDraws(unit, tree, space, generator), space.notes
+
+
+def loop_of(
+    settings: Settings, field: nn.Module, draws: Draws, generator: torch.Generator | Generators
+) -> Loop:
+    """The loop before its first step. On CUDA its steps are recorded, unless the module is the user's own."""
+    device = next(field.parameters()).device
+    crew = crew_for(device)
+    kind: Callable[..., Loop] = Loop
+    if device.type == "cuda" and isinstance(field, Siren | Ensemble):
+        kind = functools.partial(Captured, replay=recorder(generator))
+    return kind(
+        field=field,
+        method=settings.resolved_method(),
+        draws=draws,
+        generator=generator,
+        optimisers=OPTIMISERS[settings.optimiser](field, crew),
+        rate=RATES[settings.decay],
+        base_rate=settings.rate,
+        steps=settings.steps,
+        points=settings.points,
+        clip=settings.clip,
+        ramp=settings.ramp,
+        chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
+        crew=crew,
+    )
+
+
+def origin_of(settings: Settings, frame: Frame, unit: Points, cloud: Points) -> Origin:
+    """What a checkpoint of this fit belongs to, and the box its surface is looked for in."""
+    lower = np.maximum(unit.min(axis=0) - MARGIN, -REACH)
+    upper = np.minimum(unit.max(axis=0) + MARGIN, REACH)
+    return Origin(settings, frame, fingerprint(cloud), triple(lower), triple(upper))
+
+
+def triple(vector: Float64[np.ndarray, " 3"]) -> tuple[float, float, float]:
+    """Three plain floats."""
+    return float(vector[0]), float(vector[1]), float(vector[2])
