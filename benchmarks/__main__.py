@@ -23,6 +23,7 @@ HEADINGS = {
     "phases": "The whole command",
     "quality": "Time to quality",
     "scaling": "How time and memory grow",
+    "batched": "Many parts at once",
 }
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parent

@@ -135,3 +135,11 @@ def test_samples_split_into_consecutive_pieces():
     assert [piece.distance for piece in Sample(points).split(4)] == [None] * 3
     moved = Sample(points, distance).to(torch.device("cpu"))
     assert torch.equal(moved.distance, distance)
+
+
+def test_draws_move_with_all_that_they_hold(cloud, tree):
+    draws = SignedDraws(cloud, tree, FreeSpace.of(cloud, tree, REACH), seeded())
+    held = [name for name, value in vars(draws).items() if isinstance(value, torch.Tensor)]
+    assert len(held) == 4
+    draws.move(torch.device("meta"))
+    assert all(getattr(draws, name).is_meta for name in held)
