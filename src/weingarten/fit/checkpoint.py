@@ -55,11 +55,19 @@ class Checkpoint:
         return prefixed(self.tensors, KEPT)
 
     def restore(self, loop: Loop) -> None:
-        """Bring a fresh loop of the same settings to this state, to the bit."""
+        """Bring a fresh loop of the same settings to this state, to the bit.
+
+        Raises CheckpointError where the loop draws on another kind of device.
+        """
+        state = self.tensors["generator"]
+        if state.shape != loop.generator.get_state().shape:
+            raise CheckpointError(
+                "The checkpoint was written on another kind of device; resume it with its own --device."
+            )
         loop.field.load_state_dict(self.field_state())
         for index, optimiser in enumerate(loop.optimisers):
             optimiser.restore(prefixed(self.tensors, f"optimiser.{index}."))
-        loop.generator.set_state(self.tensors["generator"])
+        loop.generator.set_state(state)
         loop.step = self.step
 
 

@@ -14,6 +14,8 @@ from weingarten.scan.sample import Sample
 class Term:
     """One row of a loss: mean over the points of `domains` of `residual(jet, sample)`.
 
+    A residual is pointwise: arrays are (n,), or (n, m) where m parts are fitted together, coordinates last.
+
     name: how figures and the loss curve call it. order: the jet's order that `residual` reads.
     shares: by domain, how much of its points is taken, the first ones: a mean over fewer, where the order is
     dear. All of them unless given.

@@ -1,0 +1,54 @@
+"""A checkpoint brings a fresh loop to its own state, to the bit, or says why it cannot."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from weingarten.errors import CheckpointError
+from weingarten.fit.checkpoint import Origin, load, save
+from weingarten.fit.optimisers import muon
+from weingarten.frame import Frame
+from weingarten.methods import METHODS
+from weingarten.settings import resolve
+
+SMALL = {"width": 16, "depth": 3, "points": 50, "steps": 10}
+
+
+def fresh(make_loop):
+    loop = make_loop(METHODS["odw-paper"], **SMALL)
+    loop.optimisers = muon(loop.field, loop.crew)
+    return loop
+
+
+@pytest.fixture
+def found(make_loop, tmp_path):
+    """A checkpoint after four steps, and the loop that wrote it."""
+    loop = fresh(make_loop)
+    for _ in range(4):
+        loop.advance()
+    box = tuple(map(float, np.ones(3)))
+    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box)
+    save(tmp_path / "checkpoint", loop, origin, {}, {})
+    return load(tmp_path / "checkpoint"), loop
+
+
+def test_a_restored_loop_goes_on_as_the_first_one_does(make_loop, found):
+    checkpoint, loop = found
+    other = fresh(make_loop)
+    checkpoint.restore(other)
+    assert [other.advance() for _ in range(3)] == [loop.advance() for _ in range(3)]
+    for one, another in zip(other.field.parameters(), loop.field.parameters(), strict=True):
+        assert torch.equal(one, another)
+
+
+def test_a_checkpoint_of_another_kind_of_device_is_refused_before_anything_changes(make_loop, found):
+    """A GPU's generator has a state of sixteen bytes."""
+    checkpoint, _ = found
+    state = {"generator": torch.zeros(16, dtype=torch.uint8)}
+    other = fresh(make_loop)
+    before = [weight.detach().clone() for weight in other.field.parameters()]
+    with pytest.raises(CheckpointError, match="another kind of device"):
+        replace(checkpoint, tensors=checkpoint.tensors | state).restore(other)
+    assert all(torch.equal(one, two) for one, two in zip(before, other.field.parameters(), strict=True))
