@@ -5,26 +5,60 @@ import threading
 import pytest
 import torch
 
-from weingarten.crew import Crew, Threads, crew_for
+from weingarten.crew import Crew, crew_for
 
 
-@pytest.mark.parametrize("crew", [Crew(), Threads(1), Threads(3)])
+@pytest.mark.parametrize("crew", [Crew(), Crew(1), Crew(3)])
 def test_answers_keep_the_order_of_the_tasks(crew):
     assert crew.map(lambda task: task * task, list(range(50))) == [n * n for n in range(50)]
     assert crew.map(lambda task: task, []) == []
 
 
 def test_tasks_run_side_by_side():
-    barrier = threading.Barrier(2, timeout=20)
-    assert len(Threads(2).map(lambda _: barrier.wait(), [0, 1])) == 2
+    barrier, crew = threading.Barrier(2, timeout=20), Crew(2)
+    with crew:
+        assert len(crew.map(lambda _: barrier.wait(), [0, 1])) == 2
 
 
-def test_an_error_of_a_task_is_raised():
-    with pytest.raises(ZeroDivisionError):
-        Threads(2).map(lambda task: 1 / task, [1, 0])
+@pytest.mark.parametrize("size", [1, 2, 4])
+def test_an_error_of_a_task_is_raised_and_the_crew_goes_on(size):
+    crew = Crew(size)
+    with crew:
+        for _ in range(3):
+            with pytest.raises(ZeroDivisionError):
+                crew.map(lambda task: 1 / task, [1, 0] * 10)
+            assert crew.map(lambda task: 2 * task, [1, 2]) == [2, 4]
 
 
-@pytest.mark.parametrize("crew", [Crew(), Threads(2)])
+@pytest.mark.parametrize("size", [1, 2, 4])
+def test_a_job_may_begin_others_and_all_are_done_at_the_finish(size):
+    """Binary trees of jobs: 2⁸ leaves each."""
+    crew, leaves = Crew(size), []
+
+    def grow(depth):
+        if depth == 0:
+            leaves.append(threading.current_thread())
+        else:
+            crew.begin(lambda: grow(depth - 1))
+            crew.begin(lambda: grow(depth - 1))
+
+    with crew:
+        for trees in range(1, 6):
+            crew.begin(lambda: grow(8))
+            crew.finish()
+            assert len(leaves) == trees * 2**8
+    assert len(set(leaves)) <= size
+
+
+def test_the_others_live_within_the_with_alone():
+    before, crew = threading.active_count(), Crew(3)
+    for _ in range(2):
+        with crew, crew:
+            assert threading.active_count() == before + 2
+        assert threading.active_count() == before
+
+
+@pytest.mark.parametrize("crew", [Crew(), Crew(2)])
 @pytest.mark.parametrize("grad", [True, False])
 def test_gradients_are_on_or_off_as_in_the_calling_thread(crew, grad):
     with torch.set_grad_enabled(grad):
@@ -35,7 +69,7 @@ def test_torch_has_one_thread_in_a_crew_and_its_own_number_afterwards():
     before = torch.get_num_threads()
     try:
         torch.set_num_threads(2)
-        crew = Threads(2)
+        crew = Crew(2)
         with crew:
             with crew:
                 assert torch.get_num_threads() == 1

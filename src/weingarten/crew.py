@@ -1,68 +1,124 @@
-"""Several cores at once: every task on one core, instead of every operation on all of them.
+"""Several cores at once: every job on one core, instead of every operation on all of them.
 
 A network of width 256 has operations of some tens of microseconds; spreading each over the cores costs as
-much again, and a core's cache never holds a whole array. Threads share the interpreter, but torch and NumPy
-let go of it while they compute.
+much again, and a core's cache never holds a whole array. Threads share the interpreter, and wait for it after
+every small operation, so a job should be large, and let go of the interpreter while it computes.
 """
 
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from threading import Condition, Thread
 from typing import TypeVar
 
 import torch
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
+Job = Callable[[], object]
 
 
 class Crew:
-    """Works through tasks in the calling thread, one after the other: for devices that are parallel."""
+    """So many threads, of which the calling one is the first; the others live within `with crew:`.
 
-    size = 1
-
-    def __enter__(self) -> None:
-        """Begin the work."""
-
-    def __exit__(self, *_: object) -> None:
-        """End it, whatever happened."""
-
-    def map(self, work: Callable[[Task], Answer], tasks: Sequence[Task]) -> list[Answer]:
-        """[work(task) for task in tasks], with gradients on or off as in the calling thread."""
-        return [work(task) for task in tasks]
-
-
-class Threads(Crew):
-    """A thread a core, each with torch's operations on that core alone.
-
-    Within `with crew:` this also holds for the calling thread, whose own operations would otherwise wake
-    torch's other threads; these stay awake for a while and take the cores. Answers keep the order of the
-    tasks, so what is computed from the same tasks does not depend on the number of threads.
+    There, torch's operations are each on one core, in the calling thread too: torch's own threads stay awake
+    for a while after an operation and would take the cores. A crew of one, for devices that are parallel by
+    themselves, does everything in the calling thread when it comes to `finish`.
     """
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int = 1) -> None:
         self.size = size
         self.before: list[int] = []
-        self.pool = ThreadPoolExecutor(size, "weingarten", initializer=torch.set_num_threads, initargs=(1,))
+        self.others: list[Thread] = []
+        self.jobs: deque[Job] = deque()
+        self.open = 0
+        self.error: BaseException | None = None
+        self.changed = Condition()
 
     def __enter__(self) -> None:
+        """Have the others come; within another `with` of the same crew they are there."""
         self.before.append(torch.get_num_threads())
-        torch.set_num_threads(1)
+        if self.size > 1:
+            torch.set_num_threads(1)
+        if len(self.before) == 1:
+            self.others = [Thread(target=self._help, daemon=True) for _ in range(self.size - 1)]
+            for thread in self.others:
+                thread.start()
 
     def __exit__(self, *_: object) -> None:
+        """Have them go, whatever happened."""
         torch.set_num_threads(self.before.pop())
+        if not self.before:
+            with self.changed:
+                self.changed.notify_all()
+            for thread in self.others:
+                thread.join()
+
+    def begin(self, job: Job) -> None:
+        """Have a job done by whoever is free next; it may begin others."""
+        with self.changed:
+            self.open += 1
+            self.jobs.append(job)
+            self.changed.notify()
+
+    def finish(self) -> None:
+        """Work until all that was begun is done; raise the first error of any, and drop what is left then.
+
+        Not to be called in a job.
+        """
+        while self._work(lambda: self.open > 0):
+            pass
+        error, self.error = self.error, None
+        if error is not None:
+            raise error
 
     def map(self, work: Callable[[Task], Answer], tasks: Sequence[Task]) -> list[Answer]:
-        """See Crew; an exception of any task is raised here."""
-        grad = torch.is_grad_enabled()
+        """[work(task) for task in tasks], with gradients on or off as in the calling thread.
 
-        def with_grad(task: Task) -> Answer:
+        What is computed does not depend on the number of threads.
+        """
+        grad, answers = torch.is_grad_enabled(), dict[int, Answer]()
+
+        def one(index: int) -> None:
             with torch.set_grad_enabled(grad):
-                return work(task)
+                answers[index] = work(tasks[index])
 
-        return list(self.pool.map(with_grad, tasks))
+        for index in range(len(tasks)):
+            self.begin(lambda index=index: one(index))
+        self.finish()
+        return [answers[index] for index in range(len(tasks))]
+
+    def _help(self) -> None:
+        """What the others do."""
+        torch.set_num_threads(1)
+        while self._work(lambda: bool(self.before)):
+            pass
+
+    def _work(self, stays: Callable[[], bool]) -> bool:
+        """Do the next job, waiting for one while `stays()`. False if there was none."""
+        with self.changed:
+            while not self.jobs:
+                if not stays():
+                    return False
+                self.changed.wait()
+            job = self.jobs.popleft()
+        try:
+            job()
+        except BaseException as error:
+            self._give_up(error)
+        with self.changed:
+            self.open -= 1
+            if self.open == 0:
+                self.changed.notify_all()
+        return True
+
+    def _give_up(self, error: BaseException) -> None:
+        """Keep the first error; begin nothing more."""
+        with self.changed:
+            self.error = self.error or error
+            self.open -= len(self.jobs)
+            self.jobs.clear()
 
 
 def crew_for(device: torch.device) -> Crew:
-    """Threads on a CPU, as many as torch may use; elsewhere the calling thread."""
-    size = torch.get_num_threads() if device.type == "cpu" else 1
-    return Threads(size) if size > 1 else Crew()
+    """A thread a core on a CPU, as many as torch may use; elsewhere the calling thread."""
+    return Crew(torch.get_num_threads() if device.type == "cpu" else 1)

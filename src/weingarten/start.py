@@ -101,7 +101,7 @@ def loop_of(
         method=settings.resolved_method(),
         draws=draws,
         generator=generator,
-        optimisers=OPTIMISERS[settings.optimiser](field, crew),
+        optimisers=OPTIMISERS[settings.optimiser](field),
         rate=RATES[settings.decay],
         base_rate=settings.rate,
         steps=settings.steps,

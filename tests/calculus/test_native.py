@@ -10,7 +10,7 @@ from weingarten.calculus import kernels
 from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
 from weingarten.calculus.native import Native
-from weingarten.crew import Threads
+from weingarten.crew import Crew
 from weingarten.fields.siren import Siren
 
 OUTPUTS = {VALUE: 1, GRADIENT: 2, TANGENT: 5}
@@ -134,7 +134,7 @@ def test_pieces_at_once_are_pieces_one_after_the_other():
         return weight_gradients(field, calculus(points, TANGENT, angles), TANGENT, used)
 
     alone = [gradients(seed) for seed in range(8)]
-    together = Threads(4).map(gradients, range(8))
+    together = Crew(4).map(gradients, range(8))
     for one, other in zip(alone, together, strict=True):
         assert all(torch.equal(a, b) for a, b in zip(one, other, strict=True))
 

@@ -7,7 +7,6 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.crew import Crew
 from weingarten.fields.siren import Siren
 from weingarten.fit.loop import Loop
 from weingarten.fit.optimisers import adam, steady
@@ -61,7 +60,7 @@ def make_loop(draws):
         settings = {
             "draws": InDouble(draws) if double else draws,
             "generator": torch.Generator().manual_seed(seed),
-            "optimisers": adam(field, Crew()),
+            "optimisers": adam(field),
             "rate": steady,
             "base_rate": 5e-5,
             "steps": 200,

@@ -55,7 +55,7 @@ def test_the_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed_draws, m
     loops = []
     for _ in range(2):
         loop = make_loop(METHODS[method], draws=signed_draws, double=double, **SMALL)
-        loop.optimisers = builder(loop.field, loop.crew)
+        loop.optimisers = builder(loop.field)
         loops.append(loop)
     assert_same_fit(loops[0], captured(loops[1]))
 
@@ -67,7 +67,7 @@ def test_an_ensembles_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed
         sirens = [Siren(16, 3, generator=torch.Generator().manual_seed(i)) for i in range(2)]
         loop.field = Ensemble.of(sirens)
         loop.generator = Generators([torch.Generator().manual_seed(i) for i in range(2)])
-        loop.optimisers = muon(loop.field, loop.crew)
+        loop.optimisers = muon(loop.field)
         loop.__post_init__()
         loops.append(loop)
     assert_same_fit(loops[0], captured(loops[1]))
@@ -107,7 +107,7 @@ def test_no_step_asks_the_device_for_a_value(make_loop, builder, members, method
     if members:
         loop.field = Ensemble.of([loop.field] * members)
     loop.field = loop.field.to("meta")
-    loop.optimisers = builder(loop.field, loop.crew)
+    loop.optimisers = builder(loop.field)
 
     def draws(count, generator):
         shape = (count, members) if members else (count,)

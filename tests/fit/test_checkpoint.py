@@ -18,7 +18,7 @@ SMALL = {"width": 16, "depth": 3, "points": 50, "steps": 10}
 
 def fresh(make_loop):
     loop = make_loop(METHODS["odw-paper"], **SMALL)
-    loop.optimisers = muon(loop.field, loop.crew)
+    loop.optimisers = muon(loop.field)
     return loop
 
 

@@ -7,7 +7,7 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.crew import Crew, Threads
+from weingarten.crew import Crew
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.fit.loop import Loop
@@ -69,7 +69,7 @@ def alone(parts, method, optimiser, dtype, **options):
     loops = []
     for i, draws in enumerate(parts):
         own, seen = field(i, dtype), InDouble(draws) if dtype is torch.float64 else draws
-        settings = SETTING | {"optimisers": optimiser(own, Crew())} | options
+        settings = SETTING | {"optimisers": optimiser(own)} | options
         loops.append(Loop(own, method, seen, generator(i), **settings))
     return loops
 
@@ -79,7 +79,7 @@ def together(parts, method, optimiser, dtype, crew=None, **options):
     seeds, crew = range(len(parts)), crew or Crew()
     ensemble = Ensemble.of([field(i, dtype) for i in seeds])
     draws = Interleaved([InDouble(draws) if dtype is torch.float64 else draws for draws in parts])
-    settings = SETTING | {"optimisers": optimiser(ensemble, crew), "crew": crew} | options
+    settings = SETTING | {"optimisers": optimiser(ensemble), "crew": crew} | options
     return Loop(ensemble, method, draws, Generators([generator(i) for i in seeds]), **settings)
 
 
@@ -106,7 +106,7 @@ def test_a_fit_together_is_the_fits_alone(parts, method, optimiser):
 
 
 @pytest.mark.parametrize("chunk", [7, 50])
-@pytest.mark.parametrize("crew", [Crew(), Threads(2)])
+@pytest.mark.parametrize("crew", [Crew(), Crew(2)])
 def test_pieces_of_the_points_hold_every_part(parts, chunk, crew):
     """As the method's own schedule has it: the curvature's weight ends after a third of the steps."""
     setting = (parts, METHODS["odw"], muon, torch.float64)

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from weingarten.calculus.autodiff import Autodiff
-from weingarten.crew import Crew, Threads
+from weingarten.crew import Crew
 from weingarten.fit.loop import Record, run
 from weingarten.fit.optimisers import adam, cosine, muon, steady
 from weingarten.methods import METHODS
@@ -121,7 +121,7 @@ def test_the_same_seed_gives_the_same_fit_to_the_bit(make_loop, builder):
     for noise in (0, 1):
         torch.manual_seed(noise)
         loop = make_loop(PAPER, **SMALL)
-        loop.optimisers = builder(loop.field, loop.crew)
+        loop.optimisers = builder(loop.field)
         curves.append([loop.advance().loss for _ in range(10)])
     assert curves[0] == curves[1]
 
@@ -165,7 +165,7 @@ def test_a_field_that_is_no_siren_is_fitted_by_autograd(make_loop, draws, genera
 
     loop = make_loop(PAPER, **SMALL)
     loop.field = Network()
-    loop.optimisers = muon(loop.field, loop.crew)
+    loop.optimisers = muon(loop.field)
     loop.base_rate = 1e-3
     loop.__post_init__()
     losses = [loop.advance().loss for _ in range(10)]
@@ -191,9 +191,9 @@ def test_the_schedule_spans_the_fit(make_loop):
 
 def test_a_step_of_the_same_pieces_is_the_same_to_the_bit_with_any_number_of_threads(make_loop, signed_draws):
     moved = []
-    for crew in (Crew(), Threads(1), Threads(3)):
+    for crew in (Crew(), Crew(1), Crew(3)):
         loop = make_loop(METHODS["odw"], draws=signed_draws, chunk=16, crew=crew, **SMALL)
-        loop.optimisers = muon(loop.field, crew)
+        loop.optimisers = muon(loop.field)
         losses = []
         run(loop, lambda record, _, losses=losses: losses.append(record.loss))
         moved.append((losses, [weight.detach() for weight in loop.field.parameters()]))

@@ -37,6 +37,16 @@ class Jet:
         return [Jet(*row) for row in zip(*rows, strict=True)]
 
     @property
+    def tensors(self) -> tuple[Tensor, ...]:
+        """All that was asked for."""
+        fields = (self.value, self.gradient, self.uu, self.uv, self.vv)
+        return tuple(field for field in fields if field is not None)
+
+    def detached(self) -> "Jet":
+        """The same numbers as leaves of a graph of their own."""
+        return Jet(*(tensor.detach().requires_grad_() for tensor in self.tensors))
+
+    @property
     def slope(self) -> Float[Tensor, "n *m 3"]:
         """The gradient, where it is known to have been asked for."""
         if self.gradient is None:

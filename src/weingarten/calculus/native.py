@@ -12,6 +12,7 @@ from torch import Tensor
 
 from weingarten.calculus import kernels
 from weingarten.calculus.buffers import Buffers
+from weingarten.calculus.evaluation import Bars
 from weingarten.calculus.jet import VALUE, Jet
 from weingarten.calculus.kernels import COLUMNS, KEPT, PANEL, PASSING, STREAMS, Gradients, Weights
 from weingarten.fields.siren import Siren
@@ -36,13 +37,24 @@ class Native:
         self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
     ) -> Jet:
         """See `weingarten.calculus.jet.Calculus`."""
-        if self.parameters[0].dtype is not torch.float32 or points.dtype is not torch.float32:
-            raise TypeError("native jets are of float32 on a CPU alone; Analytic has the others")
         if angles is None:
             angles = points.new_zeros(len(points))
         # within a Function's forward the grad mode is off, and needs_input_grad ignores no_grad
         trains = torch.is_grad_enabled() and any(weight.requires_grad for weight in self.parameters)
-        return Jet(*_Jet.apply(points, order, angles, trains, self.buffers, self.present(), *self.parameters))
+        passes = self.passes(points, order, angles, trains)
+        return Jet(*_Jet.apply(passes, *self.parameters))
+
+    def begin(self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"]) -> "Passes":
+        """See `weingarten.calculus.evaluation.Staged`."""
+        return self.passes(points, order, angles, True)
+
+    def passes(
+        self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"], trains: bool
+    ) -> "Passes":
+        """Those over some points; only where it trains can they be gone back."""
+        if self.parameters[0].dtype is not torch.float32 or points.dtype is not torch.float32:
+            raise TypeError("native jets are of float32 on a CPU alone; Analytic has the others")
+        return Passes(points, order, angles, trains, self.buffers, self.present())
 
     def present(self) -> tuple[float, Weights]:
         """ω and the field's weights as they are now, worked out once for all pieces of a step.
@@ -76,73 +88,97 @@ def scaled(field: Siren) -> Weights:
         return Weights(*(array.numpy() for array in arrays))
 
 
-class _Jet(torch.autograd.Function):
-    """Values, gradients and tangent blocks out; their cotangents in."""
+class Passes:
+    """One jet by machine code, there and back: an Evaluation whose large halves are nothing else.
 
-    @staticmethod
-    def forward(
-        ctx: Any,
+    What trains can be gone back, once; the arrays are those of `weingarten.calculus.kernels`.
+    """
+
+    def __init__(
+        self,
         points: Float[Tensor, "n 3"],
         order: int,
         angles: Float[Tensor, " n"],
         trains: bool,
         buffers: Buffers,
         present: tuple[float, Weights],
-        *parameters: Tensor,
-    ) -> tuple[Tensor, ...]:
-        _, weights = present
-        (layers, width), n = weights.biases.shape, len(points)
+    ) -> None:
+        self.order, self.trains, self.buffers = order, trains, buffers
+        self.frequency, self.weights = present
+        (layers, width), n = self.weights.biases.shape, len(points)
         tiles = -(-n // COLUMNS) if trains else min(n, 1)
         streams = STREAMS[order] if trains or order > VALUE else 1
-        tape = buffers.take(points, tiles, streams, layers, width, COLUMNS)
-        columns = points.t().contiguous()
-        value, gradient, block = points.new_empty(n), points.new_empty(3, n), points.new_empty(3, n)
-        frames = points.new_empty(6, n)
-        passing = buffers.take(points, PASSING, -(-width // PANEL) * PANEL, COLUMNS)
-        arrays = [array.numpy() for array in (tape, passing, value, gradient, frames, block)]
-        kernels.forward(columns.numpy(), angles.contiguous().numpy(), weights, *arrays, order)
-        buffers.give_back(passing)
+        self.columns, self.angles = points.t().contiguous(), angles.contiguous()
+        self.results = points.new_empty(13, n).split([1, 3, 6, 3])
+        self.tape = buffers.take(points, tiles, streams, layers, width, COLUMNS)
+        self.passing = buffers.take(points, PASSING, padded(width), COLUMNS)
+
+    def forward(self) -> None:
+        """See Evaluation."""
+        value, gradient, frames, block = (result.numpy() for result in self.results)
+        room = self.tape.numpy(), self.passing.numpy()
+        points, angles = self.columns.numpy(), self.angles.numpy()
+        kernels.forward(points, angles, self.weights, *room, value[0], gradient, frames, block, self.order)
+        if not self.trains:
+            self.buffers.give_back(self.tape, self.passing)
+
+    def jet(self) -> Jet:
+        """See Evaluation."""
+        value, gradient, _, block = self.results
+        return Jet(*(value[0], gradient.t(), *block)[: (1, 2, 5)[self.order]])
+
+    def pull(self, bars: Bars) -> None:
+        """See Evaluation. Linear in the cotangents, so the ω of V = ωW is theirs from the first."""
+        rows = self.columns.new_zeros(7, self.columns.shape[1])
+        value, gradient, *block = (*bars, None, None, None, None)[:5]
+        places = rows[0], rows[1:4].t(), rows[4], rows[5], rows[6]
+        for place, bar in zip(places, (value, gradient, *block), strict=True):
+            if bar is not None:
+                torch.mul(bar, self.frequency, out=place)
+        self.bars = rows.split([1, 3, 3])
+        layers, width = self.weights.biases.shape
+        self.kept = self.buffers.take(rows, KEPT, layers, width, COLUMNS)
+        shapes = ((width, 3), (layers - 1, width, padded(width)), (layers, width), (width,))
+        self.sums = [rows.new_zeros(shape) for shape in shapes]
+
+    def backward(self) -> None:
+        """See Evaluation."""
+        value, gradient, block = (bar.numpy() for bar in self.bars)
+        arrays = self.columns.numpy(), self.weights, self.tape.numpy(), self.results[2].numpy()
+        room = self.kept.numpy(), self.passing.numpy()
+        out = Gradients(*(array.numpy() for array in self.sums))
+        kernels.backward(*arrays, value[0], gradient, block, *room, out, self.order)
+        self.buffers.give_back(self.tape, self.passing, self.kept)
+
+    def gradients(self) -> tuple[Tensor, ...]:
+        """See Evaluation."""
+        first, hidden, biases, head = self.sums
+        width = len(head)
+        offset = self.bars[0].sum().unsqueeze(0) / self.frequency
+        weights = (first, *hidden[:, :, :width], (head / self.frequency).unsqueeze(0))
+        return (*weights, *biases, offset)
+
+
+def padded(width: int) -> int:
+    """The width in whole panels."""
+    return -(-width // PANEL) * PANEL
+
+
+class _Jet(torch.autograd.Function):
+    """Passes as torch's autograd wants them."""
+
+    @staticmethod
+    def forward(ctx: Any, passes: Passes, *parameters: Tensor) -> tuple[Tensor, ...]:
         ctx.set_materialize_grads(False)
-        if trains:
-            ctx.kept = tape, columns, frames
-            ctx.order, ctx.buffers, ctx.present = order, buffers, present
-        else:
-            buffers.give_back(tape)
-        return (value, gradient.t(), *block)[: (1, 2, 5)[order]]
+        passes.forward()
+        ctx.passes = passes if passes.trains else None
+        return passes.jet().tensors
 
     @staticmethod
     def backward(ctx: Any, *bars: Tensor | None) -> tuple[Tensor | None, ...]:
-        if ctx.kept is None:
+        if ctx.passes is None:
             raise RuntimeError("a jet can be differentiated once: its buffers have been handed back")
-        (tape, columns, frames), ctx.kept = ctx.kept, None
-        (frequency, weights), buffers = ctx.present, ctx.buffers
-        layers, width = weights.biases.shape
-        n = columns.shape[1]
-        value, gradient, *block = (*bars, None, None, None, None)[:5]
-        # all is linear in the cotangents, so the ω of V = ωW is theirs from the beginning
-        value_bar = columns.new_zeros(n) if value is None else frequency * value
-        gradient_bar = (
-            columns.new_zeros(3, n) if gradient is None else (frequency * gradient).t().contiguous()
-        )
-        zero = columns.new_zeros(n)
-        block_bar = frequency * torch.stack([zero if bar is None else bar for bar in block])
-        padded = -(-width // PANEL) * PANEL
-        kept = buffers.take(columns, KEPT, layers, width, COLUMNS)
-        passing = buffers.take(columns, PASSING, padded, COLUMNS)
-        shapes = ((width, 3), (layers - 1, width, padded), (layers, width), (width,))
-        out = [columns.new_zeros(shape) for shape in shapes]
-        kernels.backward(
-            columns.numpy(),
-            weights,
-            *(array.numpy() for array in (tape, frames, value_bar, gradient_bar, block_bar, kept, passing)),
-            Gradients(*(array.numpy() for array in out)),
-            ctx.order,
-        )
-        buffers.give_back(tape, kept, passing)
-        first, hidden, biases, head = out
-        offset = value_bar.sum().unsqueeze(0) / frequency
-        return (
-            *(None,) * 6,
-            *(first, *hidden[:, :, :width], (head / frequency).unsqueeze(0)),
-            *(*biases, offset),
-        )
+        passes, ctx.passes = ctx.passes, None
+        passes.pull(bars)
+        passes.backward()
+        return None, *passes.gradients()

@@ -6,7 +6,8 @@
 which takes a second of a fit of some ten.
 """
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable
 
 import torch
 from torch import Tensor
@@ -35,10 +36,13 @@ class Adam(Optimiser):
         self.steps += 1
         return -rate / (1.0 - FIRST**self.steps), (1.0 - SECOND**self.steps) ** 0.5
 
+    def jobs(self, *factors: Factor) -> list[Callable[[], None]]:
+        """See Optimiser: one."""
+        return [functools.partial(self.descend, *factors)]
+
     @torch.no_grad()
-    def move(self, *factors: Factor) -> None:
-        """See Optimiser."""
-        size, root = factors
+    def descend(self, size: Factor, root: Factor) -> None:
+        """Move all weights."""
         for weight, mean, square in zip(self.weights, self.means, self.squares, strict=True):
             if weight.grad is None:
                 continue

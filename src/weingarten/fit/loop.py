@@ -1,9 +1,9 @@
 """The optimisation: knows no method, no ground truth, no file's format.
 
-A step evaluates each domain once, in pieces that stay in a processor's cache, at the highest order that a
-term on it asks for; each piece's loss is differentiated at once, so memory does not grow with the points.
-Every core of the crew works on a piece of its own. The parts of an ensemble step together: whatever is said
-here of the points, the loss or the gradient holds for each part by itself.
+A step evaluates each domain once, in pieces, at the highest order that a term on it asks for; each piece's
+loss is differentiated as soon as its jet is there, so memory does not grow with the points. The parts of an
+ensemble step together: whatever is said here of the points, the loss or the gradient holds for each part by
+itself.
 """
 
 import dataclasses
@@ -17,6 +17,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from weingarten.calculus.evaluation import Evaluation, Staged, Taped
 from weingarten.calculus.jet import Calculus
 from weingarten.crew import Crew
 from weingarten.fields.ensemble import members
@@ -24,14 +25,17 @@ from weingarten.fit.clip import clip
 from weingarten.fit.optimiser import Factor, Optimiser
 from weingarten.fit.optimisers import Rate
 from weingarten.fit.outline import Outline
-from weingarten.fit.pieces import Part, cut
+from weingarten.fit.pieces import Part, Piece, cut, through
 from weingarten.methods import Method
 from weingarten.scan.draws import Draws
 from weingarten.scan.generators import Generators
 from weingarten.terms.term import Term
 
-CHUNK, GPU_CHUNK = 2048, 65536
-"""Points a piece at most: on a CPU enough for the products and few enough for the cache, on a GPU many."""
+CHUNK, GPU_CHUNK = 1280, 65536
+"""Points of a leg at most: on a CPU enough for the products and few enough for the cache, on a GPU many."""
+
+TOGETHER = 2
+"""Pieces on their way at a time: more than one, that nobody waits; few, for each holds memory."""
 
 STAGES = 6
 """Sizes that a step's draws take on along the ramp."""
@@ -122,7 +126,9 @@ class Loop:
         gradients = [weight.grad for weight in self.parameters if weight.grad is not None]
         clip(gradients, self.clip, len(self.members))
         for optimiser, own in zip(self.optimisers, factors, strict=True):
-            optimiser.move(*own)
+            for job in optimiser.jobs(*own):
+                self.crew.begin(job)
+        self.crew.finish()
         return sums
 
     def records(self, step: int, sums: Float[Tensor, "terms *m"]) -> list[Record]:
@@ -163,16 +169,13 @@ class Loop:
 
     def differentiate(self, outline: Outline, shares: Mapping[Term, Factor]) -> Float[Tensor, "terms *m"]:
         """Add the loss's gradient at fresh draws to the field's; the sums of every term's residuals."""
-        chunk = max(1, self.chunk // math.prod(self.members))
-        pieces = cut(self.plan(outline), self.crew.size, chunk)
-        work = functools.partial(self.differentiated, shares=shares)
-        zero = self.parameters[0].detach().new_zeros(self.members)
-        sums: dict[Term, Tensor] = dict.fromkeys(self.method.terms, zero)
-        gradients: list[Tensor] = []
-        for totals, gradient in self.crew.map(work, pieces):
-            gradients.append(gradient)
-            for term, total in totals.items():
+        pieces = [Piece(parts, self.begin, shares, self.crew) for parts in self.pieces(outline)]
+        through(self.crew, pieces, TOGETHER)
+        sums = dict.fromkeys(self.method.terms, self.parameters[0].detach().new_zeros(self.members))
+        for piece in pieces:
+            for term, total in piece.totals.items():
                 sums[term] = sums[term] + total
+        gradients = [piece.gradient for piece in pieces]
         if gradients:
             self.receive(functools.reduce(torch.Tensor.add_, gradients))
         return torch.stack(list(sums.values()))
@@ -201,23 +204,16 @@ class Loop:
         for weight, own in zip(self.parameters, gradient.split(sizes), strict=True):
             weight.grad = own.view_as(weight) if weight.grad is None else weight.grad + own.view_as(weight)
 
-    def differentiated(
-        self, piece: list[Part], shares: Mapping[Term, Factor]
-    ) -> tuple[dict[Term, Tensor], Float[Tensor, " w"]]:
-        """A piece's sums of residuals, and the gradient of its part of the loss, laid end to end."""
-        points = torch.cat([part.sample.points for part in piece])
-        jet = self.calculus(points, piece[0].order, torch.cat([part.sample.turns for part in piece]))
-        totals: dict[Term, Tensor] = {}
-        losses: list[Tensor] = []
-        for part, own in zip(piece, jet.split([len(part.sample) for part in piece]), strict=True):
-            for term in part.terms:
-                total = term.residual(own, part.sample).sum(0)
-                losses.append(shares[term] * total)
-                totals[term] = totals.get(term, 0.0) + total.detach()
-        gradients = torch.autograd.grad(
-            torch.stack(losses).sum(), self.parameters, allow_unused=True, materialize_grads=True
-        )
-        return totals, torch.cat([gradient.reshape(-1) for gradient in gradients])
+    def pieces(self, outline: Outline) -> list[list[Part]]:
+        """Fresh draws as they are evaluated."""
+        chunk = max(1, self.chunk // math.prod(self.members))
+        return cut(self.plan(outline), self.crew.size, chunk)
+
+    def begin(self, points: Tensor, order: int, angles: Tensor) -> Evaluation:
+        """A jet before it is worked out."""
+        if isinstance(self.calculus, Staged):
+            return self.calculus.begin(points, order, angles)
+        return Taped(self.calculus, self.parameters, points, order, angles)
 
 
 def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:

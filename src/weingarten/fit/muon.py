@@ -9,8 +9,9 @@ method in bfloat16, which processors without that arithmetic emulate: with AVX2,
 preset, many times as long as the rest of it. Here all is float32.
 """
 
+import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import torch
@@ -18,7 +19,6 @@ from jaxtyping import Float
 from torch import Tensor
 
 from weingarten.calculus import kernels
-from weingarten.crew import Crew
 from weingarten.fit.optimiser import Factor, Optimiser
 
 A, B, C, TIMES = 3.4445, -4.7750, 2.0315, 5
@@ -27,15 +27,11 @@ Exact polar factors, which are larger, made worse meshes (docs/performance.md)."
 
 
 class Muon(Optimiser):
-    """For matrices, and ensembles of them, alone; see Optimiser.
+    """For matrices, and ensembles of them, alone; see Optimiser. momentum: μ."""
 
-    crew: who works out the matrices, one each. momentum: μ.
-    """
-
-    def __init__(self, matrices: Iterable[Tensor], crew: Crew, momentum: float = 0.95) -> None:
+    def __init__(self, matrices: Iterable[Tensor], momentum: float = 0.95) -> None:
         self.matrices = list(matrices)
         self.momenta = [torch.zeros_like(matrix) for matrix in self.matrices]
-        self.crew = crew
         self.momentum = momentum
 
     @property
@@ -47,18 +43,18 @@ class Muon(Optimiser):
         """−0.2 √max(rows, columns) · lr of every matrix."""
         return tuple(-0.2 * math.sqrt(max(matrix.shape[-2:])) * rate for matrix in self.matrices)
 
+    def jobs(self, *factors: Factor) -> list[Callable[[], None]]:
+        """See Optimiser: one for each matrix."""
+        rows = zip(self.matrices, self.momenta, factors, strict=True)
+        return [functools.partial(self.descend, *row) for row in rows if row[0].grad is not None]
+
     @torch.no_grad()
-    def move(self, *factors: Factor) -> None:
-        """See Optimiser."""
-        moved: list[tuple[Tensor, Factor]] = []
-        wanted: list[Tensor] = []
-        for matrix, kept, factor in zip(self.matrices, self.momenta, factors, strict=True):
-            if matrix.grad is not None:
-                kept.mul_(self.momentum).add_(matrix.grad)
-                moved.append((matrix, factor))
-                wanted.append(matrix.grad.add(kept, alpha=self.momentum))
-        for (matrix, factor), update in zip(moved, self.crew.map(polar, wanted), strict=True):
-            matrix.addcmul_(update, torch.as_tensor(factor, dtype=update.dtype, device=update.device))
+    def descend(self, matrix: Tensor, kept: Tensor, factor: Factor) -> None:
+        """Move one matrix, which has a gradient."""
+        assert matrix.grad is not None
+        kept.mul_(self.momentum).add_(matrix.grad)
+        update = polar(matrix.grad.add(kept, alpha=self.momentum))
+        matrix.addcmul_(update, torch.as_tensor(factor, dtype=update.dtype, device=update.device))
 
     def state(self) -> dict[str, Tensor]:
         """The momenta."""

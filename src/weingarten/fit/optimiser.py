@@ -1,5 +1,6 @@
 """What moves a field's weights: Adam and Muon do, and whatever else answers these questions."""
 
+from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 from torch import Tensor
@@ -31,6 +32,11 @@ class Optimiser(Protocol):
 
     def move(self, *factors: Factor) -> None:
         """Move every weight that has a gradient."""
+        for job in self.jobs(*factors):
+            job()
+
+    def jobs(self, *factors: Factor) -> list[Callable[[], None]]:
+        """The same in parts that may be done side by side."""
         ...
 
     def state(self) -> dict[str, Tensor]:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 from torch import nn
 
-from weingarten.crew import Crew
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.fit.adam import Adam
@@ -15,12 +14,12 @@ from weingarten.fit.optimiser import Optimiser
 Rate = Callable[[int, int], float]
 
 
-def adam(field: nn.Module, crew: Crew) -> list[Optimiser]:
+def adam(field: nn.Module) -> list[Optimiser]:
     """Adam for every weight (method §2)."""
     return [Adam(field.parameters())]
 
 
-def muon(field: nn.Module, crew: Crew) -> list[Optimiser]:
+def muon(field: nn.Module) -> list[Optimiser]:
     """Muon for the square matrices of SIRENs, Adam at the same rate for all else (findings).
 
     Fields that name no hidden matrices are moved by Adam alone.
@@ -28,10 +27,10 @@ def muon(field: nn.Module, crew: Crew) -> list[Optimiser]:
     hidden = field.hidden if isinstance(field, Siren | Ensemble) else []
     names = {id(weight) for weight in hidden}
     rest = [weight for weight in field.parameters() if id(weight) not in names]
-    return [Adam(rest), Muon(hidden, crew)] if hidden else [Adam(rest)]
+    return [Muon(hidden), Adam(rest)] if hidden else [Adam(rest)]
 
 
-OPTIMISERS: dict[str, Callable[[nn.Module, Crew], list[Optimiser]]] = {"adam": adam, "muon": muon}
+OPTIMISERS: dict[str, Callable[[nn.Module], list[Optimiser]]] = {"adam": adam, "muon": muon}
 
 
 def steady(step: int, steps: int) -> float:

@@ -1,14 +1,31 @@
-"""A step's points, cut into pieces that are evaluated at once."""
+"""A step's points, cut into pieces, and a piece's way through the crew."""
 
+import functools
 import itertools
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from threading import Lock
 
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from weingarten.calculus.evaluation import Evaluation
+from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Jet
+from weingarten.crew import Crew
+from weingarten.fit.optimiser import Factor
 from weingarten.scan.sample import Sample
 from weingarten.terms.term import Term
 
-LEAST = 1000
+LEAST = 300
 """Arithmetic of a piece at least, in forward passes of one point, where there is a choice."""
+
+WHOLE = 32
+"""A leg's points are a multiple of this, so that the products' columns are."""
+
+Begin = Callable[[Tensor, int, Tensor], Evaluation]
+"""Points, order and angles to an evaluation."""
 
 PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}
 """Forward passes that a point's jet and its derivative cost."""
@@ -30,21 +47,24 @@ class Part:
 
 
 def cut(parts: list[Part], crew: int, chunk: int) -> list[list[Part]]:
-    """Pieces to evaluate at once, the dearest first: parts of one order laid end to end and cut equally.
+    """Pieces, of the highest order first: parts of one order laid end to end and cut equally.
 
-    As many as a whole number for every one of the crew, so that none waits long for another; a handful of
-    points stays together, since a piece has a price of its own. The pieces, and with them the last bits of
-    the sums over them, are those of this size of the crew.
+    A piece is shared by the crew, or one's alone: a handful of points stays together, since a leg has a price
+    of its own. The pieces, and with them the last bits of the sums over them, are those of this size of the
+    crew.
     """
     pieces: list[list[Part]] = []
     for order in sorted({part.order for part in parts}, reverse=True):
         row = [part for part in parts if part.order == order]
         count = sum(len(part.sample) for part in row)
-        shared = PASSES[order] * count >= crew * LEAST
-        number = min(count, crew * -(-count // (crew * chunk))) if shared else -(-count // chunk)
-        ends = [count * (i + 1) // number for i in range(number)]
-        pieces += between(row, ends)
-    return sorted(pieces, key=cost, reverse=True)
+        number = -(-count // (chunk * hands(order, count, crew)))
+        pieces += between(row, [count * (i + 1) // number for i in range(number)])
+    return pieces
+
+
+def hands(order: int, count: int, crew: int) -> int:
+    """How many of the crew share so many points of this order."""
+    return crew if PASSES[order] * count >= crew * LEAST else 1
 
 
 def between(row: list[Part], ends: list[int]) -> list[list[Part]]:
@@ -59,6 +79,94 @@ def between(row: list[Part], ends: list[int]) -> list[list[Part]]:
             if len(fragment.sample):
                 piece.append(fragment)
     return pieces
+
+
+class Piece:
+    """Parts of one order on their way through the crew: their jet, the terms, and back to the gradient.
+
+    A leg of it a core, there and back; whoever of the crew brings the last leg of the jet evaluates the
+    terms. Then totals: the sums of its residuals, and gradient: of its part of the loss, laid end to end.
+    """
+
+    totals: dict[Term, Tensor]
+    gradient: Float[Tensor, " w"]
+
+    def __init__(self, parts: list[Part], begin: Begin, shares: Mapping[Term, Factor], crew: Crew) -> None:
+        self.parts, self.begin, self.shares, self.crew = parts, begin, shares, crew
+        self.lock = Lock()
+
+    def send(self, then: Callable[[], None]) -> None:
+        """Set out; `then` is called at the end."""
+        self.then = then
+        order = self.parts[0].order
+        points = torch.cat([part.sample.points for part in self.parts])
+        angles = torch.cat([part.sample.turns for part in self.parts])
+        share = -(-len(points) // hands(order, len(points), self.crew.size))
+        self.size = -(-share // WHOLE) * WHOLE
+        rows = zip(points.split(self.size), angles.split(self.size), strict=True)
+        self.legs = [self.begin(own, order, turns) for own, turns in rows]
+        self.all([leg.forward for leg in self.legs], self.turn)
+
+    def all(self, jobs: list[Callable[[], None]], then: Callable[[], None]) -> None:
+        """Have the crew do the jobs, and the one who does the last of them, `then`."""
+        left = len(jobs)
+
+        def one(job: Callable[[], None]) -> None:
+            nonlocal left
+            job()
+            with self.lock:
+                left -= 1
+                last = left == 0
+            if last:
+                then()
+
+        for job in jobs:
+            self.crew.begin(functools.partial(one, job))
+
+    def turn(self) -> None:
+        """Sum the residuals, and send their cotangents back."""
+        leaves = joined([leg.jet() for leg in self.legs])
+        totals: dict[Term, Tensor] = {}
+        losses: list[Tensor] = []
+        with torch.enable_grad():
+            jets = leaves.split([len(part.sample) for part in self.parts])
+            for part, jet in zip(self.parts, jets, strict=True):
+                for term in part.terms:
+                    total = term.residual(jet, part.sample).sum(0)
+                    losses.append(self.shares[term] * total)
+                    totals[term] = totals.get(term, 0.0) + total.detach()
+            bars = torch.autograd.grad(torch.stack(losses).sum(), leaves.tensors, allow_unused=True)
+        self.totals = totals
+        split = [[None] * len(self.legs) if bar is None else bar.split(self.size) for bar in bars]
+        for leg, own in zip(self.legs, zip(*split, strict=True), strict=True):
+            leg.pull(own)
+        self.all([leg.backward for leg in self.legs], self.gather)
+
+    def gather(self) -> None:
+        """Add the legs' gradients, and let the next piece set out."""
+        gradients = [torch.cat([one.reshape(-1) for one in leg.gradients()]) for leg in self.legs]
+        self.gradient = functools.reduce(torch.Tensor.add_, gradients)
+        self.legs.clear()
+        self.then()
+
+
+def through(crew: Crew, pieces: Sequence[Piece], together: int) -> None:
+    """Send pieces through the crew, so many of them at a time."""
+    waiting = deque(pieces)
+
+    def send() -> None:
+        if waiting:
+            waiting.popleft().send(send)
+
+    for _ in range(together):
+        crew.begin(send)
+    crew.finish()
+
+
+def joined(jets: list[Jet]) -> Jet:
+    """The jets of consecutive points as one, whose tensors are leaves of a graph of their own."""
+    tensors = [torch.cat(row) for row in zip(*(jet.tensors for jet in jets), strict=True)]
+    return Jet(*(tensor.detach().requires_grad_() for tensor in tensors))
 
 
 def cost(parts: list[Part]) -> int:

@@ -8,7 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float64
+from jaxtyping import Float, Float64, Int64
 from scipy.spatial import KDTree
 from torch import Tensor
 
@@ -41,7 +41,7 @@ class Draws(Protocol):
 class CloudDraws:
     """Draws from a cloud: `count` points of each domain (method §1).
 
-    surface: from the cloud, with replacement between steps, without within a step if the cloud allows.
+    surface: from the cloud, with replacement between steps, spread over it within a step (`spread`).
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
     """
 
@@ -55,11 +55,8 @@ class CloudDraws:
 
     def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]:
         """The samples of one step, on the device of the generator."""
-        total, device = len(self.points), generator.device
-        if count <= total:
-            chosen = torch.randperm(total, generator=generator, device=device)[:count]
-        else:
-            chosen = torch.randint(total, (count,), generator=generator, device=device)
+        device = generator.device
+        chosen = spread(count, len(self.points), generator)
         surface = self.points[chosen]
         noise = torch.randn(count, 3, generator=generator, device=device)
         samples = {
@@ -106,6 +103,18 @@ class SignedDraws(CloudDraws):
         """Points of the pool, with signed distance or NaN."""
         chosen = torch.randint(len(self.pool), (count,), generator=generator, device=generator.device)
         return Sample(self.pool[chosen], self.distance[chosen])
+
+
+def spread(count: int, total: int, generator: torch.Generator) -> Int64[Tensor, " count"]:
+    """So many of range(total), one from each of `count` equal stretches of it, in random order.
+
+    None twice where there are enough, but for neighbours at the ends of two stretches; the time depends on
+    `count` alone.
+    """
+    device = generator.device
+    within = torch.rand(count, generator=generator, device=device, dtype=torch.float64)
+    order = torch.randperm(count, generator=generator, device=device)
+    return ((order + within) * (total / count)).long().clamp_(max=total - 1)
 
 
 def positions(points: Float[Tensor, "n 3"]) -> Float64[np.ndarray, "n 3"]:
