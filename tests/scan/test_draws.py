@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.scan.draws import REACH, CloudDraws, SignedDraws, neighbour_distance, uniform_in_box
+from weingarten.scan.draws import REACH, CloudDraws, SignedDraws, neighbour_distance, spread, uniform_in_box
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
@@ -50,11 +50,30 @@ def test_surface_draws_are_points_of_the_cloud_without_repeats(draws, cloud):
 
 
 def test_more_draws_than_points(draws, cloud):
+    """Ten times as many: ten of every point."""
     samples = draws(30_000, seeded())
     assert all(len(sample) == 30_000 for sample in samples.values())
     _, counts = samples[SURFACE].points.unique(dim=0, return_counts=True)
-    assert len(counts) > 0.99 * len(cloud)
-    assert counts.float().var() == pytest.approx(10.0, rel=0.15)
+    assert counts.tolist() == [10] * len(cloud)
+
+
+@pytest.mark.parametrize(("count", "total"), [(1000, 3000), (7, 10), (10, 7), (1, 5), (300, 10_000_000)])
+def test_a_spread_has_one_of_every_stretch_in_random_order(count, total):
+    found = spread(count, total, seeded())
+    assert found.dtype == torch.int64
+    ends = np.arange(count + 1) * (total / count)
+    ordered = found.sort().values.numpy()
+    assert (ordered >= np.floor(ends[:-1])).all()
+    assert (ordered < ends[1:]).all()
+    assert count == 1 or not torch.equal(found, found.sort().values)
+
+
+def test_a_spread_finds_every_index_equally_often():
+    generator = seeded()
+    found = torch.cat([spread(30, 100, generator) for _ in range(3000)])
+    counts = found.bincount(minlength=100)
+    assert counts.double().mean() == 900
+    assert (counts - 900).abs().max() < 5 * 30
 
 
 def test_sigma_is_the_distance_to_the_fiftieth_neighbour(cloud, tree):
