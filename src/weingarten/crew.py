@@ -7,7 +7,7 @@ every small operation, so a job should be large, and let go of the interpreter w
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from threading import Condition, Thread
+from threading import Condition, Lock, Thread
 from typing import TypeVar
 
 import torch
@@ -23,6 +23,9 @@ class Crew:
     There, torch's operations are each on one core, in the calling thread too: torch's own threads stay awake
     for a while after an operation and would take the cores. A crew of one, for devices that are parallel by
     themselves, does everything in the calling thread when it comes to `finish`.
+
+    desk: to be held by a job while it does many small operations. Two threads that did these side by side
+    would hand the interpreter to each other after every one, which takes longer than the operation.
     """
 
     def __init__(self, size: int = 1) -> None:
@@ -33,6 +36,7 @@ class Crew:
         self.open = 0
         self.error: BaseException | None = None
         self.changed = Condition()
+        self.desk = Lock()
 
     def __enter__(self) -> None:
         """Have the others come; within another `with` of the same crew they are there."""

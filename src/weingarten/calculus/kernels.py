@@ -92,7 +92,7 @@ class Gradients(NamedTuple):
 
 
 def whole_panels(matrix):
-    """Whether a tensor is one that `polar` takes."""
+    """Whether a tensor is one that `polar` and `descend` take."""
     square = matrix.dim() == 2 and matrix.shape[0] == matrix.shape[1] and matrix.shape[0] % PANEL == 0
     return square and matrix.is_contiguous() and matrix.device.type == "cpu" and matrix.dtype == torch.float32
 
@@ -269,6 +269,21 @@ def polar(x, coefficients, times):
             for j in range(n):
                 y[i, j] = a * y[i, j] + scratch[i, j]
     return y
+
+
+@compiled
+def descend(weight, gradient, momentum, mu, factor, coefficients, times):
+    """momentum ← μ momentum + gradient, weight ← weight + factor polar(gradient + μ momentum)."""
+    n = len(weight)
+    update = np.empty_like(gradient)
+    for i in range(n):
+        for j in range(n):
+            momentum[i, j] = mu * momentum[i, j] + gradient[i, j]
+            update[i, j] = gradient[i, j] + mu * momentum[i, j]
+    update = polar(update, coefficients, times)
+    for i in range(n):
+        for j in range(n):
+            weight[i, j] += factor * update[i, j]
 
 
 @compiled

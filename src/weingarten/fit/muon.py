@@ -22,6 +22,7 @@ from weingarten.calculus import kernels
 from weingarten.fit.optimiser import Factor, Optimiser
 
 A, B, C, TIMES = 3.4445, -4.7750, 2.0315, 5
+COEFFICIENTS = np.float32(A), np.float32(B), np.float32(C)
 """x ← Ax + Bx³ + Cx⁵, so often: singular values from 10⁻³ to 1 end in 0.46 … 1.21 (Jordan et al. 2024).
 Exact polar factors, which are larger, made worse meshes (docs/performance.md)."""
 
@@ -52,6 +53,11 @@ class Muon(Optimiser):
     def descend(self, matrix: Tensor, kept: Tensor, factor: Factor) -> None:
         """Move one matrix, which has a gradient."""
         assert matrix.grad is not None
+        if all(kernels.whole_panels(tensor) for tensor in (matrix, matrix.grad, kept)):
+            arrays = (tensor.detach().numpy() for tensor in (matrix, matrix.grad, kept))
+            kernels.descend(*arrays, np.float32(self.momentum), np.float32(factor), COEFFICIENTS, TIMES)
+            torch.autograd.graph.increment_version(matrix)
+            return
         kept.mul_(self.momentum).add_(matrix.grad)
         update = polar(matrix.grad.add(kept, alpha=self.momentum))
         matrix.addcmul_(update, torch.as_tensor(factor, dtype=update.dtype, device=update.device))
@@ -71,9 +77,6 @@ def polar(matrix: Float[Tensor, "*batch n m"]) -> Float[Tensor, "*batch n m"]:
 
     Those below a thousandth of the Frobenius norm stay smaller. Zero for a zero matrix.
     """
-    if kernels.whole_panels(matrix):
-        coefficients = tuple(np.float32(number) for number in (A, B, C))
-        return torch.from_numpy(kernels.polar(matrix.numpy(), coefficients, TIMES))
     x = matrix / matrix.norm(dim=(-2, -1), keepdim=True).clamp_min(torch.finfo(matrix.dtype).tiny)
     for _ in range(TIMES):
         gram = x @ x.mT

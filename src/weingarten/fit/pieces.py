@@ -85,7 +85,8 @@ class Piece:
     """Parts of one order on their way through the crew: their jet, the terms, and back to the gradient.
 
     A leg of it a core, there and back; whoever of the crew brings the last leg of the jet evaluates the
-    terms. Then totals: the sums of its residuals, and gradient: of its part of the loss, laid end to end.
+    terms, at the desk. Then totals: the sums of its residuals, and gradient: of its part of the loss, laid
+    end to end.
     """
 
     totals: dict[Term, Tensor]
@@ -118,7 +119,8 @@ class Piece:
                 left -= 1
                 last = left == 0
             if last:
-                then()
+                with self.crew.desk:
+                    then()
 
         for job in jobs:
             self.crew.begin(functools.partial(one, job))
@@ -159,7 +161,7 @@ def through(crew: Crew, pieces: Sequence[Piece], together: int) -> None:
             waiting.popleft().send(send)
 
     for _ in range(together):
-        crew.begin(send)
+        send()
     crew.finish()
 
 
