@@ -49,7 +49,7 @@ class Trial:
         frame = Frame.of(points)
         unit = frame.to_unit(points)
         loop = prepared(points, settings, torch.device("cpu"))
-        return cls(loop, origin_of(settings, frame, unit, points), unit)
+        return cls(loop, origin_of(settings, frame, points), unit)
 
     @property
     def finished(self) -> bool:

@@ -5,24 +5,27 @@
 Every line is measured in a process of its own, so that its peak memory is its own. Beside each figure stands
 the exponent from the line above: the logarithm of the figures' ratio over that of the sizes'. Steps are the
 standard preset's with curvature, at one number of points from first to last; the field that is extracted has
-had a fit of 100 steps; a cloud's line has what `weingarten fit` does before and in its first five steps.
-All on the bundled flange.
+had a fit of 100 steps; a cloud's line has what `weingarten fit` does before and in its first five steps, with
+a binary PLY file. All on the bundled flange.
 """
 
 import argparse
 import json
 import math
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
 
 from process import measured
 from table import table
 
 POINTS, TIMED_STEPS = 30_000, 20
+PROGRAM = str(Path(sys.executable).parent / "weingarten")
 FITTED_STEPS, COARSE = 100, 32
 FIRST_STEPS = 5
 Row = dict[str, float]
@@ -73,7 +76,7 @@ def resolution_row(resolution: int) -> Row:
         for _ in range(FITTED_STEPS):
             loop.advance()
     frame = Frame.of(points)
-    origin = origin_of(settings, frame, frame.to_unit(points), points)
+    origin = origin_of(settings, frame, points)
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     values = field_values(loop.field, loop.crew)
     extraction(values, lower, upper, COARSE, batch=1 << 17)
@@ -82,26 +85,24 @@ def resolution_row(resolution: int) -> Row:
     return {"extraction s": time.perf_counter() - started, "evaluations": found.evaluations}
 
 
-def cloud_row(count: int) -> Row:
-    """The beginning of a fit by the points of its cloud."""
+def cloud_row(path: Path) -> Row:
+    """The beginning of a fit to the cloud of a file."""
     import torch
 
+    from weingarten.io.points import read_points
     from weingarten.reconstruction import prepared
-    from weingarten.samples.parts import sample_part
-    from weingarten.scan.diagnose import diagnose
     from weingarten.settings import resolve
 
-    points = sample_part("flange", count, 0)
     started = time.perf_counter()
-    points = diagnose(points).points
-    diagnosed = time.perf_counter()
+    points = read_points(path)
+    read = time.perf_counter()
     loop = prepared(points, resolve("standard"), torch.device("cpu"))
     ready = time.perf_counter()
     with loop.crew:
         for _ in range(FIRST_STEPS):
             loop.advance()
     last = time.perf_counter()
-    return {"diagnosis s": diagnosed - started, "preparing s": ready - diagnosed, "5 steps s": last - ready}
+    return {"reading s": read - started, "preparing s": ready - read, "5 steps s": last - ready}
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -112,7 +113,7 @@ def timed(work: Callable[[], object]) -> float:
 
 
 CLOUDS = (10_000, 100_000, 1_000_000, 10_000_000)
-ROWS: dict[str, tuple[Callable[[int], Row], tuple[int, ...]]] = {
+ROWS: dict[str, tuple[Callable[..., Row], tuple[int, ...]]] = {
     "points": (points_row, (250, 500, 1000, 2000, 4000, 8000)),
     "width": (width_row, (64, 128, 256, 512)),
     "resolution": (resolution_row, (64, 128, 256, 512)),
@@ -121,8 +122,13 @@ ROWS: dict[str, tuple[Callable[[int], Row], tuple[int, ...]]] = {
 
 
 def served(kind: str, size: int) -> Row:
-    """A row from a process of its own, with its peak memory."""
-    outcome = measured([sys.executable, __file__, "--measure", kind, str(size)])
+    """A row from a process of its own, with its peak memory; a cloud is sampled by another before."""
+    with tempfile.TemporaryDirectory() as folder:
+        subject = str(size)
+        if kind == "cloud":
+            subject = str(Path(folder) / "cloud.ply")
+            measured([PROGRAM, "sample", "bundled:flange", "-o", subject, "--points", str(size)])
+        outcome = measured([sys.executable, __file__, "--measure", kind, subject])
     return json.loads(outcome.text) | {"peak MiB": outcome.peak}
 
 
@@ -149,12 +155,12 @@ def shown(value: float) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def measure(kind: str, size: int) -> str:
-    """A row as JSON, in this process."""
+def measure(kind: str, subject: str) -> str:
+    """A row as JSON, in this process. subject: the size, or the file of the cloud."""
     from weingarten.cli.memory import keep_freed_memory
 
     keep_freed_memory()
-    return json.dumps(ROWS[kind][0](size)) + "\n"
+    return json.dumps(ROWS[kind][0](Path(subject) if kind == "cloud" else int(subject))) + "\n"
 
 
 def main() -> None:
@@ -166,11 +172,10 @@ def main() -> None:
     parser.add_argument(
         "--largest", type=int, choices=CLOUDS, default=CLOUDS[-2], help="points of the largest cloud"
     )
-    parser.add_argument("--measure", nargs=2, metavar=("KIND", "SIZE"), help=argparse.SUPPRESS)
+    parser.add_argument("--measure", nargs=2, metavar=("KIND", "SUBJECT"), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.measure:
-        kind, size = arguments.measure
-        sys.stdout.write(measure(kind, int(size)))
+        sys.stdout.write(measure(*arguments.measure))
         return
     limits = {"cloud": arguments.largest}
     for number, kind in enumerate(arguments.only):

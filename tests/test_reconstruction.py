@@ -6,9 +6,14 @@ import torch
 from torch import nn
 
 import weingarten as wg
+from weingarten.fit.loop import Record
+from weingarten.fit.run_folder import opened
 from weingarten.frame import Frame
 from weingarten.metrics.topology import topology
+from weingarten.observer import Observer
+from weingarten.reconstruction import remesh
 from weingarten.samples.parts import part_mesh, sample_part
+from weingarten.scan import thinning
 from weingarten.world_field import WorldField
 
 SHORT = {"steps": 300, "points": 1000, "resolution": 48}
@@ -40,6 +45,40 @@ def test_the_same_part_in_another_unit_is_the_same_mesh():
     there = wg.reconstruct(points * 1024.0, wg.resolve(**SHORT)).mesh
     np.testing.assert_array_equal(here.faces, there.faces)
     np.testing.assert_allclose(there.vertices, here.vertices * 1024.0, rtol=1e-12, atol=1e-9)
+
+
+class Impatient(Observer):
+    """Stops after some steps, and hears the notes."""
+
+    def __init__(self, steps: int) -> None:
+        self.left, self.notes = steps, []
+
+    def note(self, text: str) -> None:
+        self.notes.append(text)
+
+    def step(self, record: Record, steps: int, seconds: float) -> None:
+        self.left -= 1
+
+    def interrupted(self) -> bool:
+        return self.left <= 0
+
+
+def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, monkeypatch):
+    monkeypatch.setattr(thinning, "MOST_POINTS", 1500)
+    points, settings = ball(4000, 2.0, 5.0), wg.resolve(steps=40, points=200, resolution=32)
+    whole = wg.reconstruct(points, settings)
+    assert whole.summary.points == 4000
+    assert any("1,500 of the 4,000 points" in note for note in whole.summary.notes)
+    observer = Impatient(15)
+    part = wg.reconstruct(points, settings, run_folder=tmp_path / "run", observer=observer)
+    assert not part.finished
+    assert any("1,500 of the 4,000 points" in note for note in observer.notes)
+    np.testing.assert_array_equal(np.load(tmp_path / "run" / "cloud.npy"), points)
+    resumed = wg.reconstruct(points, settings, run_folder=tmp_path / "run", resume=True)
+    np.testing.assert_array_equal(resumed.mesh.vertices, whole.mesh.vertices)
+    np.testing.assert_array_equal(resumed.mesh.faces, whole.mesh.faces)
+    again, _ = remesh(*opened(tmp_path / "run"), 32, torch.device("cpu"))
+    np.testing.assert_array_equal(again.vertices, whole.mesh.vertices)
 
 
 class Ball(nn.Module):

@@ -21,9 +21,12 @@ class Frame:
 
     @classmethod
     def of(cls, points: Points) -> "Frame":
-        """The frame of a cloud in world units: its mean and its largest absolute centred coordinate."""
+        """The frame of a cloud in world units: its mean and its largest absolute centred coordinate.
+
+        Rounding keeps order, so the corners of the box alone tell the second, to the last bit.
+        """
         centre = points.mean(axis=0)
-        scale = float(np.abs(points - centre).max())
+        scale = float(np.maximum(points.max(axis=0) - centre, centre - points.min(axis=0)).max())
         return cls((float(centre[0]), float(centre[1]), float(centre[2])), scale)
 
     def to_unit(self, points: Points) -> Points:

@@ -21,6 +21,7 @@ from weingarten.fit.run_folder import Keeper, NoFolder, RunFolder
 from weingarten.mesh import Mesh
 from weingarten.observer import Observer
 from weingarten.oracle import Oracle
+from weingarten.scan.thinning import thinned
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, summarise
@@ -90,7 +91,8 @@ def reconstruct(
 ) -> Result:
     """Fit a signed distance field to an unoriented cloud and extract its surface.
 
-    points: (n, 3), any unit and offset; kept in float64 until centred.
+    points: (n, 3), any unit and offset; kept in float64 until centred. Of very many, the
+        fit draws from a part picked at random (`weingarten.scan.thinning`), and a note says so.
     settings: from `weingarten.resolve`; by default the `standard` preset with seed 0.
     device: auto, cpu, cuda or mps.
     run_folder: where checkpoint, loss curve, mesh and summary go.
@@ -229,5 +231,6 @@ def remesh(
         raise CheckpointError(
             "The run was fitted with a network of its own; extract it in Python."
         ) from error
-    mesh, notes = surface(field.to(device), found.origin, frame.to_unit(points), resolution, crew_for(device))
+    unit = frame.to_unit(thinned(points, settings.seed))
+    mesh, notes = surface(field.to(device), found.origin, unit, resolution, crew_for(device))
     return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes

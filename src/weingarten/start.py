@@ -22,6 +22,7 @@ from weingarten.scan.diagnose import diagnose
 from weingarten.scan.draws import REACH, CloudDraws, Draws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.generators import Generators
+from weingarten.scan.thinning import thinned, thinning_notes
 from weingarten.settings import Settings
 from weingarten.terms.free_space import FREE_SPACE
 
@@ -30,19 +31,24 @@ Points = Float64[np.ndarray, "n 3"]
 MARGIN = 0.05
 """Room left around the cloud for the surface, unit lengths."""
 
+LEAF = 32
+"""Points in a leaf of the tree. With fewer, or with boxes drawn tight around them, distances from afar to
+faces and bores take up to three times as long."""
+
 
 @dataclass(frozen=True)
 class Start:
     """One part before the first step of its fit.
 
-    cloud: the points that are of use, world units; unit: the same in the unit frame. generator: of its draws.
+    cloud: the points that are of use, world units; unit: those that the fit draws from, all or
+    `weingarten.scan.thinning.thinned`, in the unit frame. generator: of the draws.
     notes: what the user should know of the cloud and of the signs that free space gave.
     """
 
     settings: Settings
     cloud: Points
     frame: Frame
-    unit: Points
+    unit: Float64[np.ndarray, "m 3"]
     field: nn.Module
     draws: Draws
     generator: torch.Generator
@@ -59,7 +65,7 @@ class Start:
         """
         diagnosis = diagnose(np.asarray(points, dtype=np.float64))
         frame = Frame.of(diagnosis.points)
-        unit = frame.to_unit(diagnosis.points)
+        unit = frame.to_unit(thinned(diagnosis.points, settings.seed))
         generator = torch.Generator().manual_seed(settings.seed)
         sizes = (settings.width, settings.depth, settings.frequency)
         field = Siren(*sizes, generator) if module is None else module
@@ -67,20 +73,20 @@ class Start:
         if device.type == "cuda":
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)
-        notes = (*diagnosis.notes, *notes)
+        notes = (*diagnosis.notes, *thinning_notes(len(diagnosis.points), len(unit)), *notes)
         return cls(settings, diagnosis.points, frame, unit, field.to(device), draws, generator, notes)
 
-    @property
+    @functools.cached_property
     def origin(self) -> Origin:
         """What a checkpoint of this fit belongs to."""
-        return origin_of(self.settings, self.frame, self.unit, self.cloud)
+        return origin_of(self.settings, self.frame, self.cloud)
 
 
 def draws_of(
     settings: Settings, unit: Points, generator: torch.Generator
 ) -> tuple[CloudDraws, tuple[str, ...]]:
     """The draws that a method needs, and notes on the signs that free space gave."""
-    tree = KDTree(unit)
+    tree = KDTree(unit, leafsize=LEAF, compact_nodes=False)
     if FREE_SPACE not in settings.resolved_method().terms:
         return CloudDraws(unit, tree), ()
     space = FreeSpace.of(unit, tree, REACH)
@@ -113,10 +119,11 @@ def loop_of(
     )
 
 
-def origin_of(settings: Settings, frame: Frame, unit: Points, cloud: Points) -> Origin:
-    """What a checkpoint of this fit belongs to, and the box its surface is looked for in."""
-    lower = np.maximum(unit.min(axis=0) - MARGIN, -REACH)
-    upper = np.minimum(unit.max(axis=0) + MARGIN, REACH)
+def origin_of(settings: Settings, frame: Frame, cloud: Points) -> Origin:
+    """What a checkpoint of this fit belongs to, and the box its surface is looked for in, from all points."""
+    corners = frame.to_unit(np.stack([cloud.min(axis=0), cloud.max(axis=0)]))
+    lower = np.maximum(corners[0] - MARGIN, -REACH)
+    upper = np.minimum(corners[1] + MARGIN, REACH)
     return Origin(settings, frame, fingerprint(cloud), triple(lower), triple(upper))
 
 

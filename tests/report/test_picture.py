@@ -9,6 +9,7 @@ from PIL import Image
 
 from weingarten.errors import OutputError
 from weingarten.mesh import Mesh
+from weingarten.report import picture as module
 from weingarten.report import rasteriser
 from weingarten.report.picture import picture, write_picture
 from weingarten.report.rasteriser import EMPTY, rasterise
@@ -88,6 +89,13 @@ def test_picture_shows_both_in_one_view():
     assert left.sum() > 0.3 * right.sum()
     middle = pixels[PANEL // 2, PANEL + PANEL // 2].astype(int)
     assert middle.min() > 100
+
+
+def test_points_drawn_in_blocks_are_the_same_picture(monkeypatch: pytest.MonkeyPatch):
+    points, _ = sample_surface(SPHERE, 2000, 0)
+    whole = np.asarray(picture(points, BOX, panel=PANEL))
+    monkeypatch.setattr(module, "BLOCK", 300)
+    assert np.array_equal(np.asarray(picture(points, BOX, panel=PANEL)), whole)
 
 
 def test_nearer_surfaces_hide_farther_ones():

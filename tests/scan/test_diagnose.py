@@ -1,6 +1,7 @@
 """A usable cloud passes unchanged in every frame; each thing that can be wrong is told in one sentence."""
 
 import re
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from weingarten.errors import CloudError
+from weingarten.io import coincident as sorting
+from weingarten.scan import diagnose as module
 from weingarten.scan.diagnose import LEAST_POINTS, diagnose
 
 FRAMES = [(1.0, 0.0), (1.0, 1e6), (1e-5, 0.0), (1e-5, 1.0), (1e-5, 1e3), (1e150, 0.0), (1e-150, 0.0)]
@@ -118,3 +121,49 @@ def test_merging_against_the_obvious_way(picks, seed):
 @pytest.mark.parametrize("shape", [(500,), (500, 2), (500, 4), (5, 100, 3)])
 def test_other_shapes(shape):
     assert "shape" in complaint(np.ones(shape))
+
+
+@pytest.mark.parametrize("block", [101, 250, 10_000])
+def test_blocks_give_the_deviations_of_the_whole(block, monkeypatch):
+    monkeypatch.setattr(module, "_BLOCK", block)
+    points = (cloud() * [1, 1e-2, 1e-4] + [3, 0, 0]) @ rotation()
+    centred = (points - points.mean(axis=0)) / 7
+    expected = np.linalg.svd(centred, compute_uv=False) / np.sqrt(len(points))
+    found = module._deviations(points, np.array([0.5, -2.0, 1.0]), 7.0)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("block", [101, 250])
+@pytest.mark.parametrize(("used", "reason"), [(1, "on one line"), (2, "in one plane")])
+def test_lines_and_planes_across_blocks(used, reason, block, monkeypatch):
+    monkeypatch.setattr(module, "_BLOCK", block)
+    flat = (cloud() * (np.arange(3) < used)) @ rotation()
+    assert reason in complaint(flat * 1e-5 + 1.0)
+
+
+def test_memory_is_less_than_twice_the_clouds_own_more():
+    points = cloud(500_000)
+    tracemalloc.start()
+    try:
+        diagnose(points)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 2 * points.nbytes
+
+
+def test_only_points_whose_keys_meet_are_compared(monkeypatch):
+    asked = []
+    compare = sorting.coincident
+
+    def counted(points):
+        asked.append(len(points))
+        return compare(points)
+
+    monkeypatch.setattr(sorting, "coincident", counted)
+    points = cloud(20_000)
+    assert len(diagnose(np.concatenate([points, points[:30]])).points) == 20_000
+    assert asked == [60]
+    monkeypatch.setattr(sorting, "keys", lambda points: np.zeros(len(points), dtype=np.uint64))
+    np.testing.assert_array_equal(diagnose(np.concatenate([points[:500], points[:30]])).points, points[:500])
+    assert asked == [60, 530]

@@ -12,6 +12,8 @@ Points = Float64[np.ndarray, "n 3"]
 
 SEPARATORS = {".xyz": " ", ".txt": " ", ".csv": ","}
 FORMATS = (".ply", *SEPARATORS, ".npy")
+BLOCK = 100_000
+"""Points that are turned into text at once."""
 
 
 def check_cloud_path(path: Path) -> None:
@@ -34,14 +36,21 @@ def write_cloud(path: Path, points: Points) -> None:
     points = np.ascontiguousarray(points, dtype=np.float64)
     with replacing(path) as temporary:
         if suffix == ".ply":
-            temporary.write_bytes(_ply_header(len(points)) + points.astype("<f8").tobytes())
+            with temporary.open("wb") as stream:
+                stream.write(_ply_header(len(points)))
+                points.astype("<f8", copy=False).tofile(stream)
         elif suffix == ".npy":
             with temporary.open("wb") as stream:
                 np.save(stream, points)
         else:
-            separator = SEPARATORS[suffix]
-            lines = (separator.join(map(repr, point)) + "\n" for point in points.tolist())
-            temporary.write_text("".join(lines), encoding="ascii", newline="\n")
+            with temporary.open("w", encoding="ascii", newline="\n") as stream:
+                for start in range(0, len(points), BLOCK):
+                    stream.write(_rows(points[start : start + BLOCK], SEPARATORS[suffix]))
+
+
+def _rows(points: Points, separator: str) -> str:
+    """A line for each point."""
+    return "".join(separator.join(map(repr, point)) + "\n" for point in points.tolist())
 
 
 def _ply_header(count: int) -> bytes:

@@ -27,6 +27,8 @@ AZIMUTH, ELEVATION = np.radians(-58.0), np.radians(30.0)
 NEAR_INK, FAR_INK = np.array([0.13, 0.27, 0.45]), np.array([0.80, 0.86, 0.92])
 TEXT = (70, 78, 88)
 FORMATS = (".png", ".jpg", ".jpeg", ".webp")
+BLOCK = 200_000
+"""Points drawn at once."""
 
 
 @dataclass(frozen=True)
@@ -115,22 +117,22 @@ def _drawn_points(points: Points, camera: Camera) -> Pixels:
     depth = screen[:, 2]
     span = float(np.ptp(depth)) if len(depth) else 0.0
     near = (depth - depth.min(initial=np.inf)) / span if span > 0 else np.ones(len(depth))
-    ink = FAR_INK + (NEAR_INK - FAR_INK) * near[:, None] ** 1.3
     radius = camera.width / PANEL * float(np.clip(1.4 * np.sqrt(30_000 / max(len(points), 1)), 0.75, 4.0))
     reach = int(np.ceil(radius))
     steps = np.arange(-reach, reach + 1)
     across, down = (grid.reshape(-1) for grid in np.meshgrid(steps, steps))
     disc = across**2 + down**2 <= radius**2
     order = np.argsort(depth, kind="stable")
-    columns = np.floor(screen[order, 0, None]).astype(np.int64) + across[disc]
-    rows = np.floor(screen[order, 1, None]).astype(np.int64) + down[disc]
-    inside = (rows >= 0) & (rows < camera.height) & (columns >= 0) & (columns < camera.width)
-    pixel = (rows * camera.width + columns)[inside]
-    rank = np.broadcast_to(np.arange(len(order))[:, None], rows.shape)[inside]
     foremost = np.full(camera.height * camera.width, -1)
-    np.maximum.at(foremost, pixel, rank)
+    for start in range(0, len(order), BLOCK):
+        middle = np.floor(screen[order[start : start + BLOCK], :2]).astype(np.int64)
+        columns, rows = middle[:, :1] + across[disc], middle[:, 1:] + down[disc]
+        inside = (rows >= 0) & (rows < camera.height) & (columns >= 0) & (columns < camera.width)
+        rank = np.broadcast_to(np.arange(start, start + len(middle))[:, None], rows.shape)
+        np.maximum.at(foremost, (rows * camera.width + columns)[inside], rank[inside])
     hit = foremost >= 0
-    image.reshape(-1, 3)[hit] = ink[order[foremost[hit]]]
+    fading = near[order[foremost[hit]], None] ** 1.3
+    image.reshape(-1, 3)[hit] = FAR_INK + (NEAR_INK - FAR_INK) * fading
     return image
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from weingarten.errors import CloudError
-from weingarten.io.coincident import coincident
+from weingarten.io.coincident import distinct
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -14,6 +14,7 @@ LEAST_POINTS = 100
 MOST_NOT_FINITE = 0.01
 FLATNESS = 1e-6
 _ROUNDINGS = 4.0
+_BLOCK = 100_000
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def diagnose(points: Float64[np.ndarray, "..."]) -> Diagnosis:
         raise CloudError(f"The points have shape {points.shape}; give an array of shape (n, 3).")
     points, notes = _finite(np.asarray(points, dtype=np.float64))
     given = len(points)
-    first, _ = coincident(points)
+    first = distinct(points)
     if len(first) < given:
         notes += (f"{given - len(first)} of {given} points repeat another exactly; merged.",)
         points = points[first]
@@ -82,13 +83,24 @@ def _check_spread(points: Points, given: int) -> None:
 def _dimensions(points: Points) -> int:
     """How many principal standard deviations are not zero to within rounding (see `diagnose`)."""
     low, high = points.min(axis=0), points.max(axis=0)
-    centred = points - (low / 2 + high / 2)
-    size = float(np.abs(centred).max())
+    middle = low / 2 + high / 2
+    size = float(np.maximum(high - middle, middle - low).max())
     if size == 0.0:
         return 0
-    centred /= size
-    centred -= centred.mean(axis=0)
-    triangular = np.linalg.qr(centred, mode="r")
-    deviations = np.linalg.svd(triangular, compute_uv=False) / np.sqrt(len(points))
+    deviations = _deviations(points, middle, size)
     rounding = _ROUNDINGS * np.finfo(np.float64).eps * max(np.abs(low).max(), np.abs(high).max()) / size
     return int(np.count_nonzero(deviations > max(FLATNESS * deviations[0], rounding)))
+
+
+def _deviations(points: Points, middle: Float64[np.ndarray, " 3"], size: float) -> Float64[np.ndarray, " 3"]:
+    """Principal standard deviations of (points − middle) / size, the largest first.
+
+    The triangular factor of [1 | X] ends in that of the centred X, and that of two blocks of rows is that of
+    their factors, so nothing as large as the cloud is made.
+    """
+    triangular = np.empty((0, 4))
+    for start in range(0, len(points), _BLOCK):
+        block = (points[start : start + _BLOCK] - middle) / size
+        rows = np.column_stack([np.ones(len(block)), block])
+        triangular = np.asarray(np.linalg.qr(np.concatenate([triangular, rows]), mode="r"))
+    return np.linalg.svd(triangular[1:, 1:], compute_uv=False) / np.sqrt(len(points))

@@ -135,10 +135,13 @@ def angles(count: int, generator: torch.Generator) -> Float[Tensor, " n"]:
 def neighbour_distance(
     tree: KDTree, points: Float64[np.ndarray, "n 3"], neighbour: int, block: int = 200_000
 ) -> Float64[np.ndarray, " n"]:
-    """Distance of each point to its k-th other neighbour (the last one there is, in a smaller cloud)."""
+    """Distance of each point of a tree to its k-th other neighbour (in a smaller cloud, the last there is).
+
+    Asked for in the tree's own order: what is near in space is then near in memory, which halves the time.
+    """
     k = min(neighbour, len(points) - 1) + 1
-    blocks = [
-        tree.query(points[start : start + block], k=k, workers=-1)[0][:, -1]
-        for start in range(0, len(points), block)
-    ]
-    return np.concatenate(blocks)
+    distance = np.empty(len(points))
+    for start in range(0, len(points), block):
+        rows = tree.indices[start : start + block]
+        distance[rows] = tree.query(points[rows], k=k, workers=-1)[0][:, -1]
+    return distance
