@@ -39,7 +39,7 @@ def least(found: list[Float32[Tensor, "2 n"]], side: int) -> Float32[Tensor, "2 
     for shift in (side**2, side, 1):
         half = len(found) // 2
         ends = [with_next(torch.minimum, part, shift) for part in found[:half]]
-        found = [torch.minimum(*pair) for pair in zip(ends, found[half:], strict=True)]
+        found = [torch.minimum(*pair, out=pair[0]) for pair in zip(ends, found[half:], strict=True)]
     return found[0]
 
 

@@ -166,14 +166,17 @@ class Octree:
         def look(slots: Int32[Tensor, " b"]) -> None:
             firsts = coarse.firsts(slots)
             bounds = halfway(coarse.at(coarse.block(firsts, SIDE + 1)), SIDE + 1, self._reach)
-            self._close(bounds, 2 * firsts, SIDE + 1)
+            for parity, part in zip(PARITIES[1:], bounds[1:], strict=True):
+                offset = torch.tensor(parity, dtype=torch.int32, device=self._device)[:, None]
+                self._close(part, 2 * firsts + offset, SIDE + 1, 2)
             low, negative = least(bounds, SIDE + 1)
             doubted = (low > room) == (negative > room)
             flags[slots] = doubted.view(-1, SIDE + 1, SIDE + 1, SIDE + 1)[:, :SIDE, :SIDE, :SIDE]
 
         used = torch.zeros(len(coarse), dtype=torch.bool, device=self._device)
         used[cells >> 9] = True
-        self._crew.map(look, used.nonzero().squeeze(1).to(torch.int32).split(self.piece))
+        # blocks of 9³ nodes take more room than those of 5³
+        self._crew.map(look, used.nonzero().squeeze(1).to(torch.int32).split(self.piece // 2))
         return flags.view(-1)
 
     @property
@@ -181,16 +184,14 @@ class Octree:
         """How far the field can change over one edge of the present stride."""
         return self.slope * self.lattice.step * self._stride
 
-    def _close(self, found: list[Float32[Tensor, "2 n"]], firsts: Int32[Tensor, "3 b"], side: int) -> None:
-        """Raise bounds at half-way nodes to the field of the box. firsts: the blocks' lowest nodes.
-
-        At the corners, of even coordinates, this was done one lattice before.
-        """
-        for parity, (low, negative) in zip(PARITIES[1:], found[1:], strict=True):
-            offset = torch.tensor(parity, dtype=torch.int32, device=self._device)[:, None]
-            box = self._axes.box_of_blocks((firsts + offset) * self._stride, side, 2 * self._stride).view(-1)
-            torch.maximum(low, box, out=low)
-            torch.minimum(negative, box.neg_(), out=negative)
+    def _close(
+        self, bounds: Float32[Tensor, "2 n"], firsts: Int32[Tensor, "3 b"], side: int, every: int
+    ) -> None:
+        """Raise what is known at every other node, or each, of blocks to the field of the box."""
+        box = self._axes.box_of_blocks(firsts * self._stride, side, every * self._stride).view(-1)
+        low, negative = bounds
+        torch.maximum(low, box.where(low > -torch.inf, -torch.inf), out=low)
+        torch.minimum(negative, box.neg_(), out=negative)
 
     def _filled(
         self, coarse: Bricks, cells: Bool[Tensor, " a"], slots: Int32[Tensor, " b"]
@@ -201,10 +202,10 @@ class Octree:
         """
         side, firsts = SIDE // 2 + 1, self.bricks.firsts(slots)
         bounds = halfway(coarse.at(coarse.block(firsts // 2, side)), side, self._reach)
-        self._close(bounds, firsts, side)
         inside = of_cells(cells[coarse.block(firsts // 2 - 1, side)], side)
         bounds = [part.where(own, -torch.inf) for part, own in zip(bounds, inside, strict=True)]
         found = interleaved(bounds, side).view(2, -1)
+        self._close(found, firsts, SIDE, 1)
         start = int(slots[0]) * VOLUME
         self.bricks.bounds[:, start : start + found.shape[1]] = found
         low, negative = found
