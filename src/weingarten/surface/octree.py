@@ -206,13 +206,13 @@ class Octree:
         bounds = [part.where(own, -torch.inf) for part, own in zip(bounds, inside, strict=True)]
         found = interleaved(bounds, side).view(2, -1)
         self._close(found, firsts, SIDE, 1)
-        start = int(slots[0]) * VOLUME
-        self.bricks.bounds[:, start : start + found.shape[1]] = found
+        self.bricks.bounds.view(2, -1, VOLUME)[:, slots] = found.view(2, -1, VOLUME)
         low, negative = found
         room = MARGIN * self._reach if self._stride > 1 else 0.0
         doubtful = ((low > room) == (negative > room)) & (low != -negative)
         doubtful &= (low > -torch.inf) | (negative > -torch.inf)
-        return (doubtful.nonzero().squeeze(1) + start).to(torch.int32)
+        at = doubtful.nonzero().squeeze(1)
+        return slots[at >> 9] << 9 | (at & VOLUME - 1).to(torch.int32)
 
     def _flood(self) -> None:
         """Evaluate along the zero set until every sign change has all it needs for a closed surface."""
