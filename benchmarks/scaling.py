@@ -68,7 +68,7 @@ def resolution_row(resolution: int) -> Row:
     from weingarten.settings import resolve
     from weingarten.start import origin_of
     from weingarten.surface.contour import extraction
-    from weingarten.surface.values import field_values
+    from weingarten.surface.values import BATCH, field_values
 
     settings, points = resolve("standard", steps=FITTED_STEPS), sample_part("flange", POINTS, 0)
     loop = prepared(points, settings, torch.device("cpu"))
@@ -79,9 +79,9 @@ def resolution_row(resolution: int) -> Row:
     origin = origin_of(settings, frame, points)
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     values = field_values(loop.field, loop.crew)
-    extraction(values, lower, upper, COARSE, batch=1 << 17)
+    extraction(values, lower, upper, COARSE, BATCH, loop.crew)
     started = time.perf_counter()
-    found = extraction(values, lower, upper, resolution, batch=1 << 17)
+    found = extraction(values, lower, upper, resolution, BATCH, loop.crew)
     return {"extraction s": time.perf_counter() - started, "evaluations": found.evaluations}
 
 

@@ -13,8 +13,8 @@ from weingarten.fit.checkpoint import KEPT, Checkpoint, Origin
 from weingarten.fit.loop import Loop
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import PUBLISHED
-from weingarten.surface.contour import extract
-from weingarten.surface.values import field_values
+from weingarten.surface.contour import extraction
+from weingarten.surface.values import BATCH, field_values
 
 EVERY = 100
 PATIENCE = 1500
@@ -47,7 +47,8 @@ class Oracle:
         """Of the present field's mesh; infinite where there is none."""
         try:
             values = field_values(loop.field, loop.crew)
-            mesh = extract(values, np.array(origin.lower), np.array(origin.upper), RESOLUTION)
+            lower, upper = np.array(origin.lower), np.array(origin.upper)
+            mesh = extraction(values, lower, upper, RESOLUTION, BATCH, loop.crew).mesh
         except ExtractionError:
             return float("inf")
         world = Mesh(origin.frame.to_world(mesh.vertices), mesh.faces)

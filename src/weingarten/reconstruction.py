@@ -27,7 +27,7 @@ from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, summarise
 from weingarten.surface.contour import extraction
 from weingarten.surface.repair import drop_ghosts
-from weingarten.surface.values import field_values
+from weingarten.surface.values import BATCH, field_values
 from weingarten.world_field import WorldField
 
 Points = Float64[np.ndarray, "n 3"]
@@ -211,7 +211,8 @@ def surface(
 ) -> tuple[Mesh, tuple[str, ...]]:
     """The field's surface without ghosts, unit frame, and notes on what was done to it."""
     values = field_values(module, crew)
-    found = extraction(values, np.array(origin.lower), np.array(origin.upper), resolution, batch=1 << 17)
+    lower, upper = np.array(origin.lower), np.array(origin.upper)
+    found = extraction(values, lower, upper, resolution, BATCH, crew)
     mesh = drop_ghosts(found.mesh, unit)
     if len(mesh.faces) == len(found.mesh.faces):
         return mesh, found.notes

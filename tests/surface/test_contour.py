@@ -176,10 +176,11 @@ def test_smooth_noise_is_closed(seed, frequency, resolution):
     assert_closed(mesh)
 
 
+@pytest.mark.parametrize("resolution", [40, 160])
 @pytest.mark.parametrize("value", [1.0, -1.0, 0.0, float("nan")])
-def test_no_surface(value):
+def test_no_surface(value, resolution):
     with pytest.raises(ExtractionError):
-        extract(lambda p: torch.full((len(p),), value), LOWER, UPPER, 40)
+        extract(lambda p: torch.full((len(p),), value), LOWER, UPPER, resolution)
 
 
 @pytest.mark.parametrize(("upper", "resolution"), [(LOWER, 64), (UPPER, 1)])

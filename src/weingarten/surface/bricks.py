@@ -1,104 +1,128 @@
-"""A sparse store of what is known about the field at lattice nodes: an interval for every stored node.
+"""A sparse store of what is known about the field at lattice nodes: two bounds for every stored node.
 
 Nodes live in bricks of 8³; a small table maps a brick's coordinates to its slot, so that finding a node
-costs a few integer operations. A brick exists only where somebody asked for one of its nodes. An interval
-[low, high] bounds the field's value: low = high is a value that was evaluated, low > 0 a node that is
-surely outside, high < 0 one that is surely inside, (-∞, ∞) a node of which nothing is known. Bounds that
-contradict each other (low > 0 > high: the field was steeper than assumed) say nothing either.
+costs a few integer operations. A brick exists only where somebody asked for one of its nodes; slot 0 is a
+brick of which nothing is known, and stands for all that do not exist.
+
+The bounds (p, q) of a node say f ≥ p and −f ≥ q, f in [p, −q]: so whatever is done to one is done to the
+other. p = −q is a value that was evaluated, p > 0 a node that is surely outside, q > 0 one that is surely
+inside, p = q = −∞ a node of which nothing is known. Bounds that contradict each other (p > 0 and q > 0: the
+field was steeper than assumed) say nothing either.
+
+All tensors are on one device.
 """
 
-from collections.abc import Iterator
+import itertools
 
-import numpy as np
-from jaxtyping import Bool, Float32, Int, Int8
+import torch
+from jaxtyping import Bool, Float32, Int32, UInt8
+from torch import Tensor
 
 SIDE = 8
 VOLUME = SIDE**3
-_BATCH = 2048
+OUTSIDE, INSIDE, UNKNOWN = 1, 2, 4
+"""Sides of the surface; the bits of several nodes together say which sides occur among them."""
 
 
 class Bricks:
-    """Intervals at the nodes 0 … nodes - 1 of every axis, addressed by a flat index (slot · 8³ + local).
+    """Bounds at the nodes 0 … nodes - 1 of every axis, addressed by a flat index (slot · 8³ + local).
 
-    low, high: the two ends of the interval of every address; they are replaced when the store grows.
+    bounds: (p, q) of every address; replaced when the store grows.
     """
 
-    def __init__(self, nodes: tuple[int, int, int]) -> None:
-        x, y, z = (-(-count // SIDE) for count in nodes)
-        self._table = np.full((x, y, z), -1, dtype=np.int32)
-        self._corners = np.empty((0, 3), dtype=np.int32)
-        self.low = np.empty(0, dtype=np.float32)
-        self.high = np.empty(0, dtype=np.float32)
+    def __init__(self, nodes: tuple[int, int, int], device: torch.device) -> None:
+        # a layer of bricks that never exist around those that may
+        x, y, z = (-(-count // SIDE) + 2 for count in nodes)
+        self._strides = (y * z, z, 1)
+        self._table = torch.zeros(x * y * z, dtype=torch.int32, device=device)
+        self._corners = torch.zeros((3, 1), dtype=torch.int32, device=device)
+        self.bounds = torch.full((2, VOLUME), -torch.inf, device=device)
 
     def __len__(self) -> int:
-        """Number of bricks."""
-        return len(self._corners)
+        """Number of slots, with that of the brick of which nothing is known."""
+        return self._corners.shape[1]
 
-    def find(self, nodes: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, " n"]:
-        """Addresses of nodes; negative where the brick does not exist."""
-        x, y, z = nodes[:, 0], nodes[:, 1], nodes[:, 2]
-        _, ny, nz = self._table.shape
-        slot = self._table.ravel()[((x >> 3) * ny + (y >> 3)) * nz + (z >> 3)]
-        return slot * VOLUME + (((x & 7) << 6) | ((y & 7) << 3) | (z & 7))
+    def slots(self, size: int) -> list[Int32[Tensor, " b"]]:
+        """The slots of all bricks, in order, so many at once."""
+        return list(torch.arange(1, len(self), dtype=torch.int32, device=self._corners.device).split(size))
 
-    def locate(self, nodes: Int[np.ndarray, "n 3"]) -> Int[np.ndarray, " n"]:
-        """Addresses of nodes; bricks that do not exist are made, with nothing known in them."""
-        found = self.find(nodes)
-        missing = found < 0
-        if missing.any():
-            self._add(nodes[missing] >> 3)
-            found[missing] = self.find(nodes[missing])
-        return found
+    def firsts(self, slots: Int32[Tensor, " b"]) -> Int32[Tensor, "3 b"]:
+        """The lowest nodes of bricks."""
+        return self._corners.index_select(1, slots) * SIDE
 
-    def nodes(self, addresses: Int[np.ndarray, " n"]) -> Int[np.ndarray, "n 3"]:
+    def find(self, nodes: Int32[Tensor, "3 n"]) -> Int32[Tensor, " n"]:
+        """Addresses of nodes; those in slot 0, below 8³, are not stored."""
+        x, y, z = nodes
+        address = self._table.index_select(0, self._keys(nodes)).bitwise_left_shift_(9)
+        return address.add_((x & 7) << 6).add_((y & 7) << 3).add_(z & 7)
+
+    def nodes(self, addresses: Int32[Tensor, " n"]) -> Int32[Tensor, "3 n"]:
         """The inverse of find."""
-        local = addresses & (VOLUME - 1)
-        inside = np.stack([local >> 6, (local >> 3) & 7, local & 7], axis=1)
-        return self._corners[addresses >> 9] * SIDE + inside.astype(np.int32)
+        first = self._corners.index_select(1, addresses >> 9).mul_(SIDE)
+        first[0].add_(addresses >> 6 & 7)
+        first[1].add_(addresses >> 3 & 7)
+        first[2].add_(addresses & 7)
+        return first
 
-    def exact(self, addresses: Int[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    def block(self, firsts: Int32[Tensor, "3 b"], side: int) -> Int32[Tensor, " b*{side}*{side}*{side}"]:
+        """Addresses of the side³ nodes from each of the firsts on, the last axis fastest."""
+        along = firsts[:, :, None] + torch.arange(side, dtype=torch.int32, device=firsts.device)
+        far, near = (along >> 3) + 1, along & 7
+        x, y, z = (part * stride for part, stride in zip(far, self._strides, strict=True))
+        key = ((x[:, :, None] + y[:, None, :])[..., None] + z[:, None, None, :]).view(-1)
+        x, y, z = near[0] << 6, near[1] << 3, near[2]
+        local = (x[:, :, None] + y[:, None, :])[..., None] + z[:, None, None, :]
+        return self._table.index_select(0, key).bitwise_left_shift_(9).add_(local.view(-1))
+
+    def at(self, addresses: Int32[Tensor, " n"]) -> Float32[Tensor, "2 n"]:
+        """Bounds."""
+        return torch.stack([bound.index_select(0, addresses) for bound in self.bounds])
+
+    def exact(self, addresses: Int32[Tensor, " n"]) -> Bool[Tensor, " n"]:
         """Where the value was evaluated."""
-        return self.low[addresses] == self.high[addresses]
+        low, negative = self.at(addresses)
+        return low == -negative
 
-    def signs(self, nodes: Int[np.ndarray, "n 3"]) -> Int8[np.ndarray, " n"]:
-        """-1 inside, 1 outside, 0 not known."""
-        found = self.find(nodes)
-        stored = found >= 0
-        found = np.where(stored, found, 0)
-        signs = (self.low[found] > 0).astype(np.int8) - (self.high[found] < 0).astype(np.int8)
-        return np.where(stored, signs, np.int8(0))
+    def sides(self, addresses: Int32[Tensor, " n"]) -> UInt8[Tensor, " n"]:
+        """OUTSIDE, INSIDE or UNKNOWN."""
+        return sides(self.at(addresses))
 
-    def assign(self, addresses: Int[np.ndarray, " n"], values: Float32[np.ndarray, " n"]) -> None:
+    def assign(self, addresses: Int32[Tensor, " n"], values: Float32[Tensor, " n"]) -> None:
         """Store evaluated values."""
-        self.low[addresses] = values
-        self.high[addresses] = values
+        self.bounds[0, addresses] = values
+        self.bounds[1, addresses] = -values
 
-    def padded_signs(self) -> Iterator[tuple[Int[np.ndarray, "b 3"], Int8[np.ndarray, "b 9 9 9"]]]:
-        """For batches of bricks: their first nodes, and the signs of their nodes and one layer above."""
-        x, y, z = self._table.shape
-        table = np.full((x + 1, y + 1, z + 1), -1, dtype=np.int32)
-        table[:x, :y, :z] = self._table
-        used = len(self) * VOLUME
-        signs = (self.low[:used] > 0).astype(np.int8) - (self.high[:used] < 0).astype(np.int8)
-        blocks = np.zeros((len(self) + 1, SIDE, SIDE, SIDE), dtype=np.int8)
-        blocks[:-1] = signs.reshape(-1, SIDE, SIDE, SIDE)
-        part = (slice(0, SIDE), slice(0, 1))
-        place = (slice(0, SIDE), slice(SIDE, SIDE + 1))
-        for start in range(0, len(self), _BATCH):
-            corners = self._corners[start : start + _BATCH]
-            padded = np.empty((len(corners), SIDE + 1, SIDE + 1, SIDE + 1), dtype=np.int8)
-            for a, b, c in np.ndindex(2, 2, 2):
-                slots = table[corners[:, 0] + a, corners[:, 1] + b, corners[:, 2] + c]
-                padded[:, place[a], place[b], place[c]] = blocks[slots][:, part[a], part[b], part[c]]
-            yield corners * SIDE, padded
+    def cover(self, nodes: Int32[Tensor, "3 n"]) -> None:
+        """Make the bricks of nodes that do not exist; `grow` then makes room for what is known in them."""
+        keys = self._keys(nodes)
+        keys = torch.unique(keys[self._table.index_select(0, keys) == 0])
+        count = len(self)
+        slots = torch.arange(count, count + len(keys), dtype=torch.int32, device=keys.device)
+        self._table[keys] = slots
+        x, y, _ = self._strides
+        fresh = torch.stack([keys // x, keys % x // y, keys % y]) - 1
+        self._corners = torch.cat([self._corners, fresh], dim=1)
 
-    def _add(self, corners: Int[np.ndarray, "n 3"]) -> None:
-        _, ny, nz = self._table.shape
-        keys = np.unique((corners[:, 0] * ny + corners[:, 1]) * nz + corners[:, 2])
-        self._table.ravel()[keys] = len(self) + np.arange(len(keys), dtype=np.int32)
-        fresh = np.stack([keys // (ny * nz), keys // nz % ny, keys % nz], axis=1).astype(np.int32)
-        self._corners = np.concatenate([self._corners, fresh])
-        if len(self) * VOLUME > len(self.low):
-            spare = np.full((len(self) + len(self) // 2) * VOLUME - len(self.low), np.inf, dtype=np.float32)
-            self.low = np.concatenate([self.low, -spare])
-            self.high = np.concatenate([self.high, spare])
+    def cover_cells(self, nodes: Int32[Tensor, "3 n"]) -> None:
+        """Make the bricks of the 27 nodes of cells of side 2 with these lowest nodes, which are even."""
+        for offset in itertools.product((0, 2), repeat=3):
+            # the nodes between are in the brick of the even one below
+            self.cover(nodes + torch.tensor(offset, dtype=torch.int32, device=nodes.device)[:, None])
+
+    def grow(self) -> None:
+        """Room for every brick; nothing is known in new ones."""
+        missing = len(self) * VOLUME - self.bounds.shape[1]
+        if missing > 0:
+            self.bounds = torch.nn.functional.pad(self.bounds, (0, missing), value=-torch.inf)
+
+    def _keys(self, nodes: Int32[Tensor, "3 n"]) -> Int32[Tensor, " n"]:
+        """Places in the table."""
+        x, y, z = (axis * stride for axis, stride in zip((nodes >> 3) + 1, self._strides, strict=True))
+        return x.add_(y).add_(z)
+
+
+def sides(bounds: Float32[Tensor, "2 n"]) -> UInt8[Tensor, " n"]:
+    """OUTSIDE, INSIDE or UNKNOWN by bounds."""
+    outside, inside = (bounds > 0).to(torch.uint8)
+    known = outside ^ inside
+    return (outside + 2 * inside) * known + UNKNOWN * (1 - known)

@@ -49,6 +49,7 @@ def _faces() -> list[list[int]]:
 EDGES = np.array(_edges(), dtype=np.int32)
 FACES = np.array(_faces(), dtype=np.int32)
 START = np.append(EDGES[:, 0], 0)
+END = np.append(EDGES[:, 1], 0)
 AXIS = np.append(np.repeat(np.arange(3), 4), 3)
 
 

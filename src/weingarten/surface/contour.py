@@ -10,15 +10,21 @@ edge of the part that lies between nodes is cut off by up to about h/2.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int, Int64
+import torch
+from jaxtyping import Float32, Float64, Int, Int32, Int64
+from torch import Tensor
 
+from weingarten.crew import Crew
 from weingarten.mesh import Mesh
-from weingarten.surface.bricks import Bricks
-from weingarten.surface.cases import AXIS, CORNERS, FACES, START, cases
+from weingarten.surface.bounds import with_next
+from weingarten.surface.bricks import SIDE, Bricks
+from weingarten.surface.cases import AXIS, CORNERS, END, FACES, START, cases
+from weingarten.surface.flood import CROSSING
 from weingarten.surface.lattice import Lattice
 from weingarten.surface.octree import Octree, Values
 
 BATCH = 8192
+BLOCK = SIDE + 1
 _TOUCHING = 1e-3
 _LEAST_SHARE = 1e-3
 """Vertices keep this share of an edge from its nodes, so that single precision cannot merge two of them."""
@@ -64,31 +70,34 @@ def extraction(
     upper: Float64[np.ndarray, " 3"],
     resolution: int,
     batch: int = BATCH,
+    crew: Crew | None = None,
 ) -> Extraction:
-    """As extract, with the number of evaluations and notes."""
+    """As extract, with the number of evaluations and notes. crew: who does the work on a CPU."""
+    crew = crew or Crew()
     lattice = Lattice.over(lower, upper, resolution)
-    octree = Octree(values, lattice, batch)
+    octree = Octree(values, lattice, batch, crew)
     octree.refine()
-    mesh = _mesh(octree.bricks, lattice)
+    mesh = _mesh(octree.bricks, lattice, crew, octree.piece)
     notes = ()
     if lattice.depths(lattice.places(mesh.vertices)).min() < _TOUCHING:
         notes = ("The surface leaves the extraction box and was closed at the box's sides.",)
     return Extraction(mesh, octree.evaluations, notes)
 
 
-def _mesh(bricks: Bricks, lattice: Lattice) -> Mesh:
+def _mesh(bricks: Bricks, lattice: Lattice, crew: Crew, piece: int) -> Mesh:
     """The triangles of all cells with a change of sign, vertices shared by lattice edge."""
     table = cases()
-    cells = _crossed(bricks)
-    corners = np.stack([bricks.find(cells + corner) for corner in CORNERS], axis=1)
-    case = _case(bricks.low[corners])
+    corners, nodes, values = _crossed(bricks, crew, piece)
+    case = _case(values[corners])
     count = table.count[case]
-    owner = np.repeat(np.arange(len(cells)), count)
+    owner = np.repeat(np.arange(len(corners)), count)
     row = np.arange(len(owner)) + np.repeat(table.start[case] - (np.cumsum(count) - count), count)
     edge = table.triangles[row]
-    keys = 4 * corners[owner[:, None], START[edge]].astype(np.int64) + AXIS[edge]
-    unique, faces = _numbered(keys, 4 * len(bricks.low))
-    vertices = _vertices(unique, bricks, lattice)
+    keys = 4 * corners[owner[:, None], START[edge]] + AXIS[edge]
+    unique, faces = _numbered(keys, 4 * len(nodes))
+    ends = np.empty(len(unique), dtype=np.int32)
+    ends[faces] = corners[owner[:, None], END[edge]]
+    vertices = _vertices(unique, ends, nodes, values, lattice)
     _place_centres(vertices, unique, faces)
     return Mesh(vertices, faces)
 
@@ -105,17 +114,33 @@ def _numbered(
     return unique, number[keys].astype(np.int64)
 
 
-def _crossed(bricks: Bricks) -> Int[np.ndarray, "n 3"]:
-    """Lowest nodes of the cells that have corners of both signs."""
-    found = [np.empty((0, 3), dtype=np.int32)]
-    span = (slice(None, -1), slice(1, None))
-    for first, signs in bricks.padded_signs():
-        corners = [signs[:, span[a], span[b], span[c]] for a, b, c in CORNERS]
-        mixed = (np.minimum.reduce(corners) < 0) & (np.maximum.reduce(corners) > 0)
-        mixed &= np.logical_and.reduce(corners)
-        brick, x, y, z = np.nonzero(mixed)
-        found.append(first[brick] + np.stack([x, y, z], axis=1).astype(np.int32))
-    return np.concatenate(found)
+def _crossed(
+    bricks: Bricks, crew: Crew, piece: int
+) -> tuple[Int32[np.ndarray, "n 8"], Int32[np.ndarray, "v 3"], Float32[np.ndarray, " v"]]:
+    """The cells that have corners of both signs, by numbers of nodes; these nodes, and their values.
+
+    All that leaves the field's device.
+    """
+    shifts = torch.from_numpy(CORNERS @ np.array([BLOCK**2, BLOCK, 1])).to(bricks.bounds.device)
+
+    def crossed(slots: Int32[Tensor, " b"]) -> Int32[Tensor, "m 8"]:
+        addresses = bricks.block(bricks.firsts(slots), BLOCK)
+        sides = bricks.sides(addresses)
+        for shift in (1, BLOCK, BLOCK**2):
+            sides = with_next(torch.bitwise_or, sides, shift)
+        own = (sides == CROSSING).view(-1, BLOCK, BLOCK, BLOCK)
+        own[:, -1], own[:, :, -1], own[:, :, :, -1] = False, False, False
+        return addresses[own.view(-1).nonzero() + shifts]
+
+    with torch.no_grad(), crew:
+        corners = torch.cat(crew.map(crossed, bricks.slots(piece)))
+        number = torch.zeros(bricks.bounds.shape[1], dtype=torch.int32, device=corners.device)
+        number[corners] = 1
+        used = number.nonzero().squeeze(1).to(torch.int32)
+        number[used] = torch.arange(len(used), dtype=torch.int32, device=corners.device)
+        found = number[corners], bricks.nodes(used).T, bricks.bounds[0, used]
+    x, y, z = (part.cpu().numpy() for part in found)
+    return x, y, z
 
 
 def _case(values: Float32[np.ndarray, "n 8"]) -> Int[np.ndarray, " n"]:
@@ -136,17 +161,22 @@ def _case(values: Float32[np.ndarray, "n 8"]) -> Int[np.ndarray, " n"]:
     return case
 
 
-def _vertices(keys: Int[np.ndarray, " v"], bricks: Bricks, lattice: Lattice) -> Float64[np.ndarray, "v 3"]:
+def _vertices(
+    keys: Int[np.ndarray, " v"],
+    ends: Int32[np.ndarray, " v"],
+    nodes: Int32[np.ndarray, "n 3"],
+    values: Float32[np.ndarray, " n"],
+    lattice: Lattice,
+) -> Float64[np.ndarray, "v 3"]:
     """Zeros of the linear interpolant on the edges; vertices in a cell stay at its lowest node."""
-    low, axis = bricks.nodes(keys // 4), keys % 4
+    low, axis = keys // 4, keys % 4
     direction = np.concatenate([np.eye(3, dtype=np.int32), np.zeros((1, 3), dtype=np.int32)])[axis]
-    start = bricks.low[keys // 4].astype(np.float64)
-    end = bricks.low[bricks.find(low + direction)].astype(np.float64)
+    start, end = values[low].astype(np.float64), values[ends].astype(np.float64)
     on_edge = axis < 3
     share = np.zeros(len(keys))
     share[on_edge] = start[on_edge] / (start[on_edge] - end[on_edge])
     share[on_edge] = share[on_edge].clip(_LEAST_SHARE, 1.0 - _LEAST_SHARE)
-    return lattice.positions(low + share[:, None] * direction)
+    return lattice.positions(nodes[low] + share[:, None] * direction)
 
 
 def _place_centres(

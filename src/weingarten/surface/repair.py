@@ -38,9 +38,11 @@ def drop_ghosts(mesh: Mesh, points: Float64[np.ndarray, "n 3"]) -> Mesh:
 
 
 def pieces(mesh: Mesh) -> Int[np.ndarray, " v"]:
-    """Number of the connected piece of every vertex, from 0; vertices are connected by edges of faces."""
-    start = mesh.faces.ravel()
-    end = np.roll(mesh.faces, -1, axis=1).ravel()
+    """Number of the connected piece of every vertex, from 0; vertices are connected by edges of faces.
+
+    Two edges of a face connect its three vertices.
+    """
+    start, end = mesh.faces[:, :2].ravel(), mesh.faces[:, 1:].ravel()
     shape = (len(mesh.vertices), len(mesh.vertices))
     graph = coo_array((np.ones(len(start), dtype=np.int8), (start, end)), shape=shape)
     return connected_components(graph, directed=False)[1]
