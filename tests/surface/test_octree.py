@@ -7,7 +7,7 @@ from torch.overrides import TorchFunctionMode
 from torch.utils._pytree import tree_leaves, tree_map_only
 
 from weingarten.calculus.exact import Sphere, Torus
-from weingarten.crew import Crew, Threads
+from weingarten.crew import Crew
 from weingarten.surface import flood
 from weingarten.surface.bricks import INSIDE, OUTSIDE, VOLUME
 from weingarten.surface.contour import extraction
@@ -30,7 +30,7 @@ def dense(octree):
     return field, addresses.view(field.shape)
 
 
-@pytest.mark.parametrize("crew", [Crew(), Threads(2)])
+@pytest.mark.parametrize("crew", [Crew(), Crew(2)])
 def test_bounds_hold_and_every_change_of_sign_has_its_values(crew):
     octree = Octree(TORUS, Lattice.over(LOWER, UPPER, 130), 1 << 14, crew)
     octree.refine()
