@@ -8,6 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from weingarten.cli import mesh_source
+from weingarten.cli.importing import importing
 from weingarten.errors import OptionError
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the figures. Raises a WeingartenError that names the option or file at fault."""
     if arguments.seed < 0:
         raise OptionError(f"--seed must be 0 or more; got {arguments.seed}.")
-    from weingarten.metrics.protocol import PROTOCOLS
+    with importing():
+        from weingarten.metrics.protocol import PROTOCOLS
 
     mesh, truth = mesh_source.load(arguments.mesh), mesh_source.load(arguments.truth)
     figures = PROTOCOLS[arguments.protocol].evaluate(mesh, truth, arguments.seed)

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from weingarten.cli.importing import importing
 from weingarten.errors import OptionError
 
 if TYPE_CHECKING:
@@ -68,17 +69,18 @@ def run(arguments: argparse.Namespace) -> int:
     """Fit and write. Raises a WeingartenError that names the option or file at fault."""
     if arguments.resume and arguments.folder is None:
         raise OptionError("--resume needs --run DIR, the folder of the fit to go on with.")
-    from weingarten.cli.memory import keep_freed_memory
-    from weingarten.cli.mesh_source import load
-    from weingarten.cli.progress import progress
-    from weingarten.device import chosen_device
-    from weingarten.fit.run_folder import SpareFolder
-    from weingarten.io.mesh import check_mesh_path, write_mesh
-    from weingarten.io.points import read_points
-    from weingarten.reconstruction import reconstruct
-    from weingarten.report.picture import check_picture_path, write_picture
-    from weingarten.schedules.schedule import parse_knots
-    from weingarten.settings import resolve
+    with importing():
+        from weingarten.cli.memory import keep_freed_memory
+        from weingarten.cli.mesh_source import load
+        from weingarten.cli.progress import progress
+        from weingarten.device import chosen_device
+        from weingarten.fit.run_folder import SpareFolder
+        from weingarten.io.mesh import check_mesh_path, write_mesh
+        from weingarten.io.points import read_points
+        from weingarten.reconstruction import reconstruct
+        from weingarten.report.picture import check_picture_path, write_picture
+        from weingarten.schedules.schedule import parse_knots
+        from weingarten.settings import resolve
 
     settings = resolve(
         preset=arguments.preset,

@@ -5,6 +5,8 @@ import json
 import sys
 from pathlib import Path
 
+from weingarten.cli.importing import importing
+
 EXAMPLE = "example: weingarten mesh part.run -o part-fine.stl --resolution 512"
 
 
@@ -29,12 +31,13 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Extract and write. Raises CheckpointError for a folder without a readable checkpoint."""
-    from weingarten.cli.memory import keep_freed_memory
-    from weingarten.device import chosen_device
-    from weingarten.fit.run_folder import opened
-    from weingarten.io.mesh import check_mesh_path, write_mesh
-    from weingarten.reconstruction import remesh
-    from weingarten.settings import check_range
+    with importing():
+        from weingarten.cli.memory import keep_freed_memory
+        from weingarten.device import chosen_device
+        from weingarten.fit.run_folder import opened
+        from weingarten.io.mesh import check_mesh_path, write_mesh
+        from weingarten.reconstruction import remesh
+        from weingarten.settings import check_range
 
     if arguments.resolution is not None:
         check_range("--resolution", arguments.resolution, 8, 4096)
