@@ -60,8 +60,8 @@ class Noted:
     def backward(self):
         assert self.there
 
-    def gradients(self):
-        return (self.bar.sum().view(1),)
+    def gradient(self):
+        return self.bar.sum().view(1)
 
 
 def legs_of(parts, crew):

@@ -36,8 +36,8 @@ class Evaluation(Protocol):
         """Work out the gradients."""
         ...
 
-    def gradients(self) -> tuple[Tensor, ...]:
-        """After `backward`: of every weight of the field, in the order of its parameters."""
+    def gradient(self) -> Float[Tensor, " w"]:
+        """After `backward`, once: of all weights, laid end to end in the order of the parameters."""
         ...
 
 
@@ -83,6 +83,6 @@ class Taped:
             tensors, self.parameters, bars, allow_unused=True, materialize_grads=True
         )
 
-    def gradients(self) -> tuple[Tensor, ...]:
+    def gradient(self) -> Float[Tensor, " w"]:
         """See Evaluation."""
-        return self.sums
+        return torch.cat([one.reshape(-1) for one in self.sums])

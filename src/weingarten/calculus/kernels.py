@@ -444,11 +444,15 @@ def push_tile(weights, tile, passing, frames, block):
 
 @compiled
 def backward(points, weights, tape, frames, value, gradient, block, kept, passing, out, order):
-    """Adds a loss's gradients to `out`, given its cotangents of value (n,), gradient and block.
+    """Leaves a loss's gradients in `out`, given its cotangents of value (n,), gradient and block.
 
     Those of first, hidden and biases are with respect to ω times these.
     """
     columns = tape.shape[4]
+    out.first[:] = 0.0
+    out.hidden[:] = 0.0
+    out.biases[:] = 0.0
+    out.head[:] = 0.0
     for start in range(0, points.shape[1], columns):
         n = min(columns, points.shape[1] - start)
         tile = tape[start // columns]

@@ -138,25 +138,37 @@ class Passes:
         self.bars = rows.split([1, 3, 3])
         layers, width = self.weights.biases.shape
         self.kept = self.buffers.take(rows, KEPT, layers, width, COLUMNS)
-        shapes = ((width, 3), (layers - 1, width, padded(width)), (layers, width), (width,))
-        self.sums = [rows.new_zeros(shape) for shape in shapes]
+        self.sums = rows.new_empty(width * (4 + layers) + (layers - 1) * width * width + 1)
+        self.parts = parts_of(self.sums, layers, width)
+        whole = padded(width) == width
+        self.hidden = self.parts[1] if whole else rows.new_empty(layers - 1, width, padded(width))
 
     def backward(self) -> None:
         """See Evaluation."""
         value, gradient, block = (bar.numpy() for bar in self.bars)
         arrays = self.columns.numpy(), self.weights, self.tape.numpy(), self.results[2].numpy()
         room = self.kept.numpy(), self.passing.numpy()
-        out = Gradients(*(array.numpy() for array in self.sums))
+        first, _, head, biases, _ = self.parts
+        out = Gradients(*(array.numpy() for array in (first, self.hidden, biases, head)))
         kernels.backward(*arrays, value[0], gradient, block, *room, out, self.order)
         self.buffers.give_back(self.tape, self.passing, self.kept)
 
-    def gradients(self) -> tuple[Tensor, ...]:
+    def gradient(self) -> Float[Tensor, " w"]:
         """See Evaluation."""
-        first, hidden, biases, head = self.sums
-        width = len(head)
-        offset = self.bars[0].sum().unsqueeze(0) / self.frequency
-        weights = (first, *hidden[:, :, :width], (head / self.frequency).unsqueeze(0))
-        return (*weights, *biases, offset)
+        _, hidden, head, _, offset = self.parts
+        if self.hidden is not hidden:
+            hidden.copy_(self.hidden[:, :, : len(head)])
+        head.div_(self.frequency)
+        torch.div(self.bars[0].sum(), self.frequency, out=offset)
+        return self.sums
+
+
+def parts_of(weights: Float[Tensor, " w"], layers: int, width: int) -> tuple[Tensor, ...]:
+    """Views of first, hidden, head, biases and offset, which lie in the order of a SIREN's parameters."""
+    sizes = [3 * width, (layers - 1) * width * width, width, layers * width, 1]
+    first, hidden, head, biases, offset = weights.split(sizes)
+    square = hidden.view(layers - 1, width, width)
+    return first.view(width, 3), square, head, biases.view(layers, width), offset[0]
 
 
 def padded(width: int) -> int:
@@ -172,6 +184,7 @@ class _Jet(torch.autograd.Function):
         ctx.set_materialize_grads(False)
         passes.forward()
         ctx.passes = passes if passes.trains else None
+        ctx.shapes = [parameter.shape for parameter in parameters]
         return passes.jet().tensors
 
     @staticmethod
@@ -181,4 +194,5 @@ class _Jet(torch.autograd.Function):
         passes, ctx.passes = ctx.passes, None
         passes.pull(bars)
         passes.backward()
-        return None, *passes.gradients()
+        gradients = passes.gradient().split([shape.numel() for shape in ctx.shapes])
+        return None, *(own.view(shape) for own, shape in zip(gradients, ctx.shapes, strict=True))

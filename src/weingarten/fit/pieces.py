@@ -146,8 +146,7 @@ class Piece:
 
     def gather(self) -> None:
         """Add the legs' gradients, and let the next piece set out."""
-        gradients = [torch.cat([one.reshape(-1) for one in leg.gradients()]) for leg in self.legs]
-        self.gradient = functools.reduce(torch.Tensor.add_, gradients)
+        self.gradient = functools.reduce(torch.Tensor.add_, [leg.gradient() for leg in self.legs])
         self.legs.clear()
         self.then()
 
