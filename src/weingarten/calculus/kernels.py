@@ -247,6 +247,19 @@ def turn(x, out, n, rows, inner):
 
 
 @compiled
+def symmetric_product(x, y, out):
+    """out ← x y for square matrices, whole panels wide. Half of it is enough: it is symmetric."""
+    n = len(x)
+    flat = out.reshape(-1)
+    for j in range(0, n, PANEL):
+        for i in range(j, n, ROWS):
+            panel(x, i * n, n, y, j, n, out, i * n + j, n, n, ROWS, 0)
+    for j in range(0, n, LANES):
+        for i in range(j + LANES, n, LANES):
+            turn_block(out, i * n + j, n, flat, j * n + i, n)
+
+
+@compiled
 def polar(x, coefficients, times):
     """x ← ax + bx³ + cx⁵, so often, from x over its Frobenius norm; square, a whole number of panels wide."""
     a, b, c = coefficients
@@ -258,9 +271,9 @@ def polar(x, coefficients, times):
     y = x / np.float32(max(math.sqrt(total), 1e-30))
     gram, polynomial, scratch = np.empty_like(y), np.empty_like(y), np.empty_like(y)
     for _ in range(times):
-        gram[:] = 0.0
-        add_outer(y, y, scratch, gram, n)
-        product(gram, gram, polynomial, n)
+        turn(y, scratch, n, n, n)
+        symmetric_product(y, scratch, gram)
+        symmetric_product(gram, gram, polynomial)
         for i in range(n):
             for j in range(n):
                 polynomial[i, j] = c * polynomial[i, j] + b * gram[i, j]
