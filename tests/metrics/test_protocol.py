@@ -55,6 +55,24 @@ def test_exact_of_spheres_of_two_radii():
     assert found.normal_consistency > 0.999
 
 
+def test_sharp_edges_of_a_box_and_the_same_a_little_larger():
+    """Every edge of a cube of 1.004 is 0.002 √2 from that of the unit cube, but for its ends beyond."""
+    cube = as_mesh(trimesh.creation.box((1, 1, 1)))
+    same, larger = EXACT.evaluate(cube, cube), EXACT.evaluate(similar(cube, 1.004), cube)
+    assert same.edge_chamfer == pytest.approx(0, abs=1e-12)
+    assert same.edge_f1 == larger.edge_f1 == 1
+    assert larger.edge_chamfer == pytest.approx(0.002 * np.sqrt(2), rel=2e-3)
+    assert EXACT.evaluate(similar(cube, 1.02), cube).edge_f1 == 0
+
+
+def test_sharp_edges_where_there_are_none():
+    ball = EXACT.evaluate(SPHERE, SPHERE)
+    assert (ball.edge_chamfer, ball.edge_f1) == (None, None)
+    spurious, missing = EXACT.evaluate(BOX, SPHERE), EXACT.evaluate(SPHERE, BOX)
+    assert (spurious.edge_chamfer, spurious.edge_f1) == (None, None)
+    assert (missing.edge_chamfer, missing.edge_f1) == (None, 0.0)
+
+
 def test_exact_of_a_shifted_box():
     """Shifted by δ along x: the ends are δ away, so of the points; all the others lie on the other box but
     for a strip of width δ, whose distances average δ/2."""

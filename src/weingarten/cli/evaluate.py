@@ -20,7 +20,7 @@ examples:
   weingarten evaluate part.stl bundled:flange --protocol published --json
 
 protocols:
-  exact      distances to triangles, one similarity from the truth; topology and volume
+  exact      distances to triangles, one similarity from the truth; sharp edges, topology, volume
   published  that of the published tables: each mesh scaled by its own box, samples against samples
 """
 

@@ -14,6 +14,7 @@ from scipy.spatial import KDTree
 from weingarten.errors import InputError
 from weingarten.mesh import Mesh
 from weingarten.metrics.distance import Closest, closest
+from weingarten.metrics.edges import distance_to_edges, sample_edges, sharp_edges
 from weingarten.metrics.normals import alignment, elementwise_alignment, face_normals
 from weingarten.metrics.topology import topology
 from weingarten.scan.sampling import sample_surface
@@ -22,7 +23,7 @@ Values = Float64[np.ndarray, " n"]
 
 LENGTH = {"unit": "×10⁻³ unit-cube lengths", "factor": 1e3}
 SHARE = {"unit": "%", "factor": 1e2}
-MESH_STREAM, TRUTH_STREAM = 0, 1
+MESH_STREAM, TRUTH_STREAM, MESH_EDGE_STREAM, TRUTH_EDGE_STREAM = range(4)
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ class ExactFigures(Figures):
     """Distances between samples of one mesh and the triangles of the other, and the topology of both.
 
     hausdorff is the largest of the sampled distances, so a lower bound; volume_ratio is the mesh's enclosed
-    volume over the truth's, None where the truth's is 0.
+    volume over the truth's, None where the truth's is 0. edge_chamfer and edge_f1 are None where the truth
+    has no sharp edge; where the mesh alone has none, edge_f1 is 0 and edge_chamfer None.
     """
 
     chamfer: float = _figure("Chamfer distance", LENGTH)
@@ -85,6 +87,8 @@ class ExactFigures(Figures):
     f1_005: float = _figure("F1 at 0.005", SHARE)
     f1_001: float = _figure("F1 at 0.001", SHARE)
     normal_consistency: float = _figure("normal consistency", SHARE)
+    edge_chamfer: float | None = _figure("Chamfer distance of sharp edges", LENGTH)
+    edge_f1: float | None = _figure("F1 of sharp edges at 0.005", SHARE)
     volume_ratio: float | None = _figure("volume, mesh / truth")
     watertight: bool = _figure("watertight, mesh")
     truth_watertight: bool = _figure("watertight, truth")
@@ -149,12 +153,14 @@ class Exact:
     d₂ the reverse. CD = ½ (mean d₁ + mean d₂); 95th percentile and maximum over d₁ ∪ d₂; F1 at τ = 0.005
     and 0.001 from precision P(d₁ < τ) and recall P(d₂ < τ); NC = ½ (mean₁ + mean₂) of |a · b|, a the normal
     of the sample's face and b that of the face with the closest point. A perfect mesh scores 0, 1 and, but
-    for samples on an edge, 1.
+    for samples on an edge, 1. CD and F1 at 0.005 of the sharp edges likewise, of 20,000 points uniform by
+    length on those where a mesh turns by 30° or more.
     """
 
     name: str = "exact-1"
     samples: int = 100_000
     thresholds: tuple[float, float] = (0.005, 0.001)
+    edge_samples: int = 20_000
 
     def evaluate(self, mesh: Mesh, truth: Mesh, seed: int = 0) -> ExactFigures:
         """Compare two meshes given in one common frame. Raises InputError when one has no surface."""
@@ -164,6 +170,7 @@ class Exact:
         both = np.concatenate([forth.distance, back.distance])
         loose, tight = self.thresholds
         mine, its = topology(made), topology(true)
+        edge_chamfer, edge_f1 = self._edges(made, true, seed)
         return ExactFigures(
             protocol=self.name,
             chamfer=_mean_of_means(forth.distance, back.distance),
@@ -172,6 +179,8 @@ class Exact:
             f1_005=f1(forth.distance, back.distance, loose),
             f1_001=f1(forth.distance, back.distance, tight),
             normal_consistency=_mean_of_means(forth_alignment, back_alignment),
+            edge_chamfer=edge_chamfer,
+            edge_f1=edge_f1,
             volume_ratio=mine.volume / its.volume if its.volume else None,
             watertight=mine.watertight,
             truth_watertight=its.watertight,
@@ -182,6 +191,14 @@ class Exact:
             genus=mine.genus,
             truth_genus=its.genus,
         )
+
+    def _edges(self, made: Mesh, true: Mesh, seed: int) -> tuple[float | None, float | None]:
+        mine, its = sharp_edges(made), sharp_edges(true)
+        if not len(its) or not len(mine):
+            return None, 0.0 if len(its) else None
+        forth = distance_to_edges(sample_edges(mine, self.edge_samples, (seed, MESH_EDGE_STREAM)), its)
+        back = distance_to_edges(sample_edges(its, self.edge_samples, (seed, TRUTH_EDGE_STREAM)), mine)
+        return _mean_of_means(forth, back), f1(forth, back, self.thresholds[0])
 
     def _one_way(self, source: Mesh, target: Mesh, seed: tuple[int, int]) -> tuple[Closest, Values]:
         points, faces = sample_surface(source, self.samples, seed)
