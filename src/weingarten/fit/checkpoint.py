@@ -20,7 +20,7 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.settings import Settings
 
-FORMAT = "weingarten-2"
+FORMAT = "weingarten-3"
 
 KEPT = "kept."
 """Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
