@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from weingarten.errors import CheckpointError
+from weingarten.fit import checkpoint as checkpoints
 from weingarten.fit.checkpoint import Origin, load, save
 from weingarten.fit.optimisers import muon
 from weingarten.frame import Frame
@@ -52,3 +53,13 @@ def test_a_checkpoint_of_another_kind_of_device_is_refused_before_anything_chang
     with pytest.raises(CheckpointError, match="another kind of device"):
         replace(checkpoint, tensors=checkpoint.tensors | state).restore(other)
     assert all(torch.equal(one, two) for one, two in zip(before, other.field.parameters(), strict=True))
+
+
+def test_a_checkpoint_of_another_format_is_refused(make_loop, tmp_path, monkeypatch):
+    box = (1.0, 1.0, 1.0)
+    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box)
+    monkeypatch.setattr(checkpoints, "FORMAT", "weingarten-2")
+    save(tmp_path / "old", fresh(make_loop), origin, {}, {})
+    monkeypatch.undo()
+    with pytest.raises(CheckpointError, match="format 'weingarten-2'.* start the fit anew"):
+        load(tmp_path / "old")
