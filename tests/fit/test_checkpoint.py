@@ -61,5 +61,5 @@ def test_a_checkpoint_of_another_format_is_refused(make_loop, tmp_path, monkeypa
     monkeypatch.setattr(checkpoints, "FORMAT", "weingarten-2")
     save(tmp_path / "old", fresh(make_loop), origin, {}, {})
     monkeypatch.undo()
-    with pytest.raises(CheckpointError, match="format 'weingarten-2'.* start the fit anew"):
+    with pytest.raises(CheckpointError, match="start the fit anew"):
         load(tmp_path / "old")
