@@ -1,5 +1,6 @@
 """A crew answers in the order of the tasks, on one core each, and leaves torch's threads as they were."""
 
+import gc
 import threading
 
 import pytest
@@ -90,3 +91,39 @@ def test_a_crew_is_as_large_as_torch_may_use_threads():
     finally:
         torch.set_num_threads(before)
     assert crew_for(torch.device("meta")).size == 1
+
+
+def test_what_was_left_undone_is_not_the_next_ones():
+    crew, seen = Crew(2), []
+    with crew:
+        crew.begin(lambda: seen.append(threading.Event().wait(0.05)))
+    crew.begin(lambda: seen.append("left"))
+    with crew:
+        pass
+    seen.clear()
+    with crew:
+        assert crew.map(lambda task: task, [1]) == [1]
+    assert seen == []
+
+
+def test_an_error_keeps_nothing_of_the_crew_alive():
+    gone = []
+
+    class Held:
+        def __del__(self):
+            gone.append(True)
+
+    def fail():
+        held = Held()
+        raise ValueError(str(held))
+
+    gc.disable()
+    try:
+        crew = Crew(1)
+        crew.begin(fail)
+        with pytest.raises(ValueError, match="Held"):
+            crew.finish()
+        del crew
+    finally:
+        gc.enable()
+    assert gone

@@ -50,12 +50,16 @@ class Crew:
 
     def __exit__(self, *_: object) -> None:
         """Have them go, whatever happened."""
-        torch.set_num_threads(self.before.pop())
+        threads = self.before.pop()
         if not self.before:
             with self.changed:
                 self.changed.notify_all()
             for thread in self.others:
                 thread.join()
+            # what an error outside of all jobs left behind is not the next one's
+            self.jobs.clear()
+            self.open, self.error = 0, None
+        torch.set_num_threads(threads)
 
     def begin(self, job: Job) -> None:
         """Have a job done by whoever is free next; it may begin others."""
@@ -65,15 +69,18 @@ class Crew:
             self.changed.notify()
 
     def finish(self) -> None:
-        """Work until all that was begun is done; raise the first error of any, and drop what is left then.
+        """Work until all that was begun is done, and raise the first error of any.
 
-        Not to be called in a job.
+        An error drops what waits then; jobs that run may still begin others. Not to be called in a job.
         """
         while self._work(lambda: self.open > 0):
             pass
         error, self.error = self.error, None
-        if error is not None:
-            raise error
+        try:
+            if error is not None:
+                raise error
+        finally:
+            del error  # or its traceback would keep this frame, and this frame the traceback
 
     def map(self, work: Callable[[Task], Answer], tasks: Sequence[Task]) -> list[Answer]:
         """[work(task) for task in tasks], with gradients on or off as in the calling thread.
@@ -116,7 +123,7 @@ class Crew:
         return True
 
     def _give_up(self, error: BaseException) -> None:
-        """Keep the first error; begin nothing more."""
+        """Keep the first error; drop what waits."""
         with self.changed:
             self.error = self.error or error
             self.open -= len(self.jobs)

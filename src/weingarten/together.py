@@ -78,7 +78,7 @@ def attempted(work: Callable[[int], Answer], tasks: Iterable[int], errors: Error
         try:
             answers[task] = work(task)
         except WeingartenError as error:
-            errors[task] = error
+            errors[task] = error.with_traceback(None)
     return answers
 
 
@@ -98,7 +98,7 @@ def fit_all(loop: Loop, tasks: Sequence[int], observer: Observer, errors: Errors
         try:
             check_finite(record)
         except FitError as error:
-            errors.setdefault(task, error)
+            errors.setdefault(task, error.with_traceback(None))
         losses[task] = record.loss
         observer.step(record, loop.steps, seconds)
 

@@ -238,3 +238,13 @@ def test_points_grow_along_the_ramp_in_stages(make_loop):
     assert counts == [20, 20, 32, 32, 44, 44, 56, 56, 68, 68, 80, 80]
     assert loop.count(1.0) == 80
     assert make_loop(PAPER, **SMALL).count(0.3) == 50
+
+
+def test_a_weight_that_is_not_to_be_moved_stays(make_loop):
+    loop = make_loop(PAPER, **SMALL)
+    loop.optimisers = muon(loop.field)
+    loop.field.weights[1].requires_grad_(False)
+    before = [weight.detach().clone() for weight in loop.field.parameters()]
+    loop.advance()
+    for one, other in zip(before, loop.field.parameters(), strict=True):
+        assert torch.equal(one, other) == (not other.requires_grad)

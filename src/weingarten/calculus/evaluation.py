@@ -1,7 +1,8 @@
-"""A jet in two large halves, for any thread, and what is small between them, for the one that drives.
+"""A jet in two large halves, for any thread, and what is small between them, for one thread at a time.
 
-Threads that all ask for the interpreter wait for each other after every small operation. So one thread makes
-an evaluation, reads its jet, and hands in cotangents; others run `forward` and `backward`.
+Threads that all ask for the interpreter wait for each other after every small operation. So whoever makes an
+evaluation, reads its jet or hands in cotangents does so at the crew's desk; `forward` and `backward` run side
+by side.
 """
 
 from typing import Protocol, runtime_checkable

@@ -32,7 +32,7 @@ from weingarten.scan.generators import Generators
 from weingarten.terms.term import Term
 
 CHUNK, GPU_CHUNK = 1280, 65536
-"""Points of a leg at most: on a CPU enough for the products and few enough for the cache, on a GPU many."""
+"""Points of a leg, about, at most: on a CPU enough for the products and few for the cache, on a GPU many."""
 
 TOGETHER = 2
 """Pieces on their way at a time: more than one, that nobody waits; few, for each holds memory."""
@@ -199,9 +199,11 @@ class Loop:
         ]
 
     def receive(self, gradient: Float[Tensor, " w"]) -> None:
-        """Add the gradient of all weights, laid end to end, to each one's own."""
+        """Add the gradient of all weights, laid end to end, to that of each one that is to be moved."""
         sizes = [weight.numel() for weight in self.parameters]
         for weight, own in zip(self.parameters, gradient.split(sizes), strict=True):
+            if not weight.requires_grad:
+                continue
             weight.grad = own.view_as(weight) if weight.grad is None else weight.grad + own.view_as(weight)
 
     def pieces(self, outline: Outline) -> list[list[Part]]:

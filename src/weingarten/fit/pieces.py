@@ -159,8 +159,9 @@ def through(crew: Crew, pieces: Sequence[Piece], together: int) -> None:
         if waiting:
             waiting.popleft().send(send)
 
-    for _ in range(together):
-        send()
+    with crew.desk:
+        for _ in range(together):
+            send()
     crew.finish()
 
 
