@@ -11,8 +11,7 @@ from torch import nn
 
 from weingarten.crew import Crew, crew_for
 from weingarten.device import chosen_device
-from weingarten.errors import CheckpointError, FitError
-from weingarten.fields.siren import Siren
+from weingarten.errors import FitError
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
 from weingarten.fit.estimate import estimate
@@ -224,14 +223,7 @@ def remesh(
     found: Checkpoint, points: Points, resolution: int, device: torch.device
 ) -> tuple[Mesh, tuple[str, ...]]:
     """The surface of a checkpoint's field, world frame, and notes. points: of its run, world units."""
-    settings, frame = found.origin.settings, found.origin.frame
-    field = Siren(settings.width, settings.depth, settings.frequency)
-    try:
-        field.load_state_dict(found.kept_state() or found.field_state())
-    except RuntimeError as error:
-        raise CheckpointError(
-            "The run was fitted with a network of its own; extract it in Python."
-        ) from error
-    unit = frame.to_unit(thinned(points, settings.seed))
-    mesh, notes = surface(field.to(device), found.origin, unit, resolution, crew_for(device))
+    field, frame = WorldField.of(found, device), found.origin.frame
+    unit = frame.to_unit(thinned(points, found.origin.settings.seed))
+    mesh, notes = surface(field.module, found.origin, unit, resolution, crew_for(device))
     return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes

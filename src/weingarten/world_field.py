@@ -9,6 +9,9 @@ from jaxtyping import Float64
 from torch import nn
 
 from weingarten.calculus.jet import TANGENT
+from weingarten.errors import CheckpointError
+from weingarten.fields.siren import Siren
+from weingarten.fit.checkpoint import Checkpoint
 from weingarten.frame import Frame
 from weingarten.methods import exact
 
@@ -36,6 +39,22 @@ class WorldField:
 
     module: nn.Module
     frame: Frame
+
+    @classmethod
+    def of(cls, found: Checkpoint, device: torch.device) -> "WorldField":
+        """The field of a checkpoint, with the weights kept for the mesh where there are such.
+
+        Raises CheckpointError where the network is not a SIREN of the settings.
+        """
+        settings = found.origin.settings
+        module = Siren(settings.width, settings.depth, settings.frequency)
+        try:
+            module.load_state_dict(found.kept_state() or found.field_state())
+        except RuntimeError as error:
+            raise CheckpointError(
+                "The run was fitted with a network of its own; it can only be used in Python."
+            ) from error
+        return cls(module.to(device), found.origin.frame)
 
     def __call__(self, points: Float64[np.ndarray, "n 3"]) -> FieldSample:
         """Signed distance, gradient and principal curvatures at world points.

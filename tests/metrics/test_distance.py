@@ -1,4 +1,4 @@
-"""closest against a slow reference, closed forms, and coordinates that eat digits."""
+"""closest and inside against a slow reference, closed forms, and coordinates that eat digits."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import trimesh
 
 from weingarten.errors import InputError
 from weingarten.mesh import Mesh
-from weingarten.metrics.distance import closest
+from weingarten.metrics.distance import closest, cut, inside
 
 
 def as_mesh(shape: trimesh.Trimesh) -> Mesh:
@@ -72,3 +72,28 @@ def test_faces_without_area_and_unused_vertices_count_for_nothing():
 def test_no_surface_is_an_error(faces: np.ndarray):
     with pytest.raises(InputError, match="no surface"):
         closest(Mesh(np.eye(3), faces), np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize("winding", [1, -1])
+def test_inside_of_a_box_with_a_cavity(winding: int):
+    random = np.random.default_rng(2)
+    box = as_mesh(trimesh.creation.box((1, 1, 1)))
+    faces = np.concatenate([box.faces, box.faces[:, ::-1] + len(box.vertices)])
+    hollow = Mesh(np.concatenate([box.vertices, 0.5 * box.vertices]), faces[:, ::winding])
+    queries = random.uniform(-0.7, 0.7, (5000, 3))
+    reach = np.abs(queries).max(axis=1)
+    np.testing.assert_array_equal(inside(hollow, queries), (reach < 0.5) & (reach > 0.25))
+
+
+def test_a_cut_mesh_is_the_same_surface():
+    random = np.random.default_rng(3)
+    mesh = as_mesh(trimesh.creation.cylinder(1.0, 5.0, 40))
+    fine = cut(mesh, 0.3)
+    sides = np.linalg.norm(fine.corners - np.roll(fine.corners, 1, axis=1), axis=2)
+    assert 0.15 < sides.max() <= 0.3
+    np.testing.assert_allclose(fine.areas.sum(), mesh.areas.sum(), rtol=1e-12)
+    queries = random.uniform(-3, 3, (500, 3))
+    np.testing.assert_allclose(closest(fine, queries).distance, closest(mesh, queries).distance, atol=1e-12)
+    np.testing.assert_array_equal(inside(fine, queries), inside(mesh, queries))
+    assert cut(fine, 1.0).corners.tolist() == fine.corners.tolist()
+    assert len(cut(Mesh(np.eye(3), np.empty((0, 3), dtype=np.int64)), 1.0).faces) == 0
