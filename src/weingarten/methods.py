@@ -60,10 +60,10 @@ class Method:
         return replace(self, terms={**self.terms, self.scheduled: schedule})
 
     def named_schedule(self, name: str) -> Schedule:
-        """The paper's schedule of that name, scaled so that its greatest weight is this method's."""
+        """The schedule of that name, scaled so that its greatest weight is this method's."""
         if name not in SCHEDULES:
             raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
-        return SCHEDULES[name].scaled(self.schedule.greatest / SCHEDULES[name].greatest)
+        return SCHEDULES[name].peaking(self.schedule.greatest)
 
 
 PAPER_TERMS = {

@@ -143,8 +143,14 @@ def test_parsing_reverses_writing(knots):
 
 
 def test_scaling_keeps_the_shape():
-    assert SCHEDULES["quintic"].scaled(0.3)(0.0) == pytest.approx(3.0)
-    assert SCHEDULES["quintic"].scaled(0.3).greatest == pytest.approx(3.0)
+    scaled = SCHEDULES["quintic"].peaking(3.0)
+    assert scaled.greatest == pytest.approx(3.0)
+    for t in (0.0, 0.3, 0.7, 1.0):
+        assert scaled(t) == pytest.approx(0.3 * SCHEDULES["quintic"](t), rel=1e-12)
+
+
+def test_no_weight_stays_none_however_it_is_scaled():
+    assert SCHEDULES["none"].peaking(3.0)(0.5) == 0.0
     assert constant(3.0)(0.7) == 3.0
 
 

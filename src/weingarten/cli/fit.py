@@ -62,7 +62,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.set_defaults(run=run)
 
 
-SCHEDULE_HELP = "constant, linear, quintic, step, step-next or increasing (default: method's)"
+SCHEDULE_HELP = "constant, linear, quintic, step, step-next, increasing or none (default: method's)"
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -5,6 +5,7 @@ import os
 import platform
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 
@@ -29,11 +30,29 @@ def commit(repository: Path) -> str:
     """The checked-out commit, and whether the source differs from it; "unknown" without git."""
     git = ["git", "-C", str(repository)]
     try:
-        name = subprocess.check_output([*git, "rev-parse", "--short=12", "HEAD"], text=True).strip()
-        changes = subprocess.check_output([*git, "status", "--porcelain", "--", "src"], text=True)
+        name = said([*git, "rev-parse", "--short=12", "HEAD"]).strip()
+        changes = said([*git, "status", "--porcelain", "--", "src"])
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
     return name + (" with changes" if changes else "")
+
+
+def said(command: list[str]) -> str:
+    """What a command prints. Raises CalledProcessError where it fails, OSError where there is no such."""
+    return subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
+
+
+def origin() -> dict[str, str]:
+    """Version, commit, machine and date, for a record. The commit is that of the package's own checkout."""
+    package = Path(__file__).resolve().parent.parent
+    root = package.parent.parent
+    own = (root / "pyproject.toml").exists() and package.parent.name == "src"
+    return {
+        "version": version("weingarten"),
+        "commit": commit(root) if own else "unknown",
+        "machine": machine(),
+        "date": str(today()),
+    }
 
 
 def today() -> datetime.date:

@@ -78,9 +78,10 @@ class Schedule:
         """The greatest weight at a knot."""
         return max(weight for _, weight in self.knots)
 
-    def scaled(self, factor: float) -> "Schedule":
-        """The same shape with every weight times `factor`."""
-        return Schedule(self.shape, tuple((time, factor * weight) for time, weight in self.knots))
+    def peaking(self, weight: float) -> "Schedule":
+        """The same schedule scaled to that greatest weight; one that is zero throughout stays so."""
+        factor = weight / self.greatest if self.greatest > 0.0 else 0.0
+        return Schedule(self.shape, tuple((time, factor * value) for time, value in self.knots))
 
 
 def constant(weight: float) -> Schedule:
@@ -95,8 +96,9 @@ SCHEDULES: dict[str, Schedule] = {
     "step": Schedule("step", DECREASING),
     "step-next": Schedule("step-next", DECREASING),
     "increasing": Schedule("linear", INCREASING),
+    "none": constant(0.0),
 }
-"""The paper's schedules of the ODW weight under their names (Tables 1 and 2)."""
+"""The paper's schedules of the ODW weight under their names (Tables 1 and 2), and that of a fit without it."""
 
 
 def parse_knots(text: str) -> Knots:

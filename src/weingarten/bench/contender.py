@@ -1,0 +1,149 @@
+"""Who takes part in a benchmark: anything that makes a mesh of points, and says what it is.
+
+A contender sees points alone. The one exception says so in its name: the oracle, which is shown the truth to
+know when to stop, as the paper's tables were made (method §2).
+"""
+
+import csv
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from weingarten.bench.poisson import NEIGHBOURS, SCREENING, screened_poisson, solver
+from weingarten.errors import CheckpointError
+from weingarten.fit.run_folder import RunFolder
+from weingarten.io.mesh import write_mesh
+from weingarten.mesh import Mesh
+from weingarten.reconstruction import Result, reconstruct
+from weingarten.scan.sampling import Points
+from weingarten.settings import Settings
+
+ORACLE = "+oracle"
+POISSON = "poisson"
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What a contender is given: points in world units, a seed, a device and a folder.
+
+    folder: for its mesh.ply, and what else it keeps. truth: None but for an oracle.
+    """
+
+    points: Points
+    seed: int
+    device: str
+    folder: Path
+    truth: Mesh | None = None
+
+
+@dataclass(frozen=True)
+class Made:
+    """What is to be said of a mesh that was made.
+
+    earlier: seconds spent on it before an interruption. phases: seconds by phase.
+    """
+
+    notes: tuple[str, ...] = ()
+    phases: dict[str, float] | None = None
+    earlier: float = 0.0
+
+
+class Contender(ABC):
+    """Whoever takes part.
+
+    oracle: whether it is shown the truth. leaves_field: whether its folder is a run folder, with a field.
+    """
+
+    oracle: bool = False
+    leaves_field: bool = False
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Unique within a benchmark, and the name of a folder."""
+
+    @abstractmethod
+    def description(self) -> dict[str, Any]:
+        """All that determines its mesh beside scan, seed and device, as plain values."""
+
+    @abstractmethod
+    def make(self, scan: Scan) -> Made:
+        """Write the scan's mesh to mesh.ply in its folder. Raises a WeingartenError where there is none."""
+
+
+@dataclass(frozen=True)
+class Neural(Contender):
+    """One method under one schedule. settings: of any seed; the scan's is taken."""
+
+    label: str
+    settings: Settings
+    oracle: bool = False
+    leaves_field: bool = True
+
+    @property
+    def name(self) -> str:
+        """The label, marked when it is an oracle's."""
+        return self.label + ORACLE if self.oracle else self.label
+
+    def description(self) -> dict[str, Any]:
+        """See Contender."""
+        settings = self.settings.as_dict()
+        del settings["seed"]
+        return {"kind": "neural", "oracle": self.oracle, **settings}
+
+    def make(self, scan: Scan) -> Made:
+        """See Contender. Goes on from the folder's checkpoint where there is one of the same fit."""
+        folder = RunFolder(scan.folder)
+        if not folder.checkpoint.exists():
+            return self.made(self.fitted(scan, resume=False), 0.0)
+        earlier = seconds_of(folder.curve)
+        try:
+            return self.made(self.fitted(scan, resume=True), earlier)
+        except CheckpointError:
+            return self.made(self.fitted(scan, resume=False), 0.0)
+
+    def fitted(self, scan: Scan, resume: bool) -> Result:
+        """The reconstruction."""
+        return reconstruct(
+            scan.points,
+            replace(self.settings, seed=scan.seed),
+            device=scan.device,
+            run_folder=scan.folder,
+            resume=resume,
+            truth=scan.truth,
+        )
+
+    def made(self, result: Result, earlier: float) -> Made:
+        """What is to be said of a result."""
+        return Made(result.summary.notes, result.summary.seconds, earlier)
+
+
+@dataclass(frozen=True)
+class Poisson(Contender):
+    """Screened Poisson reconstruction from estimated normals: what a practitioner does today."""
+
+    depth: int = 8
+
+    @property
+    def name(self) -> str:
+        """See Contender."""
+        return POISSON
+
+    def description(self) -> dict[str, Any]:
+        """See Contender."""
+        fixed = {"neighbours": NEIGHBOURS, "screening": SCREENING, "solver": solver()}
+        return {"kind": "poisson", "depth": self.depth, **fixed}
+
+    def make(self, scan: Scan) -> Made:
+        """See Contender."""
+        write_mesh(scan.folder / "mesh.ply", screened_poisson(scan.points, self.depth))
+        return Made()
+
+
+def seconds_of(curve: Path) -> float:
+    """Of all steps that a loss curve holds; 0 without one."""
+    if not curve.exists():
+        return 0.0
+    with curve.open(newline="", encoding="utf-8") as stream:
+        return sum(float(row["seconds"]) for row in csv.DictReader(stream) if row["seconds"])

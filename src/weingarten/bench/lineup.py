@@ -1,0 +1,52 @@
+"""Contenders by name: methods, schedules of their weights, and the practitioner's alternative."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from weingarten.bench.contender import POISSON, Contender, Neural, Poisson
+from weingarten.errors import OptionError
+from weingarten.settings import Settings, resolve
+
+OWN = "own"
+"""The schedule that a method comes with."""
+
+
+def lineup(
+    methods: Sequence[str],
+    schedules: Sequence[str],
+    budget: Settings,
+    weight: float | None = None,
+    oracle: bool = False,
+) -> list[Contender]:
+    """Every method under every schedule, as "METHOD-SCHEDULE" or, with its own schedule, "METHOD".
+
+    methods: names of METHODS, or "poisson", which has no schedule and comes once. schedules: names of
+    SCHEDULES, or "own". budget: everything else. weight: the greatest one of a named schedule, by default
+    the method's own greatest; it becomes part of the name, "odw-linear-w10". oracle: stop by the truth.
+
+    Raises OptionError for a name that is unknown or comes twice.
+    """
+    made: list[Contender] = []
+    for method in methods:
+        if method == POISSON:
+            made.append(Poisson())
+        else:
+            made.extend(neural(method, schedule, budget, weight, oracle) for schedule in schedules)
+    names = [one.name for one in made]
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        raise OptionError(f"{min(twice)} is to take part twice; name every method and schedule once.")
+    return made
+
+
+def neural(method: str, schedule: str, budget: Settings, weight: float | None, oracle: bool) -> Neural:
+    """One method under one schedule."""
+    own = resolve(budget.preset, method=method, schedule=None if schedule == OWN else schedule)
+    settings = replace(budget, method=own.method, shape=own.shape, knots=own.knots)
+    if schedule == OWN:
+        return Neural(method, settings, oracle)
+    label = f"{method}-{schedule}"
+    if weight is None:
+        return Neural(label, settings, oracle)
+    scheduled = own.resolved_method().schedule.peaking(weight)
+    return Neural(f"{label}-w{weight:g}", replace(settings, knots=scheduled.knots), oracle)

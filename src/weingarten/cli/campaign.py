@@ -1,0 +1,102 @@
+"""What the verbs `bench` and `reproduce` share: options of a benchmark, and its carrying out."""
+
+import argparse
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from weingarten.errors import OptionError
+
+if TYPE_CHECKING:
+    from weingarten.bench.contender import Contender
+    from weingarten.bench.table import Table
+    from weingarten.settings import Settings
+
+MOST_SEEDS = 1000
+
+
+def add_options(verb: argparse.ArgumentParser, seeds: int) -> None:
+    """What every benchmark can be told. seeds: how many, by default."""
+    verb.add_argument("--parts", metavar="A,B", help="only these parts")
+    verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
+    verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
+    verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
+    verb.add_argument(
+        "--resolution", type=int, metavar="N", help="cells along the longest side (default: preset's)"
+    )
+    verb.add_argument(
+        "--seeds", type=int, default=seeds, metavar="K", help="fits of each kind, seeds 0 to K-1"
+    )
+    verb.add_argument("--points", type=int, default=30_000, metavar="N", help="points of each sampled scan")
+    verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
+    verb.add_argument("--shard", default="1/1", metavar="I/N", help="only the I-th of N shares of the fits")
+    verb.add_argument("--retry", action="store_true", help="try again what failed before")
+    verb.add_argument("--oracle", action="store_true", help="stop early by the truth, as the paper does")
+    verb.add_argument("--quiet", action="store_true", help="no progress")
+
+
+def budget(arguments: argparse.Namespace) -> "Settings":
+    """The preset with what is to differ from it. Raises OptionError."""
+    from weingarten.settings import resolve
+
+    return resolve(
+        preset=arguments.preset,
+        steps=arguments.steps,
+        points=arguments.points_per_step,
+        resolution=arguments.resolution,
+    )
+
+
+def carried_out(
+    arguments: argparse.Namespace, data: Path, contenders: Sequence["Contender"], out: Path, baseline: str
+) -> "list[Table]":
+    """Make and judge every fit; the tables. Raises a WeingartenError that names the option at fault."""
+    from weingarten.bench.campaign import carry_out
+    from weingarten.bench.parts import parts_in
+    from weingarten.bench.runner import Plan
+    from weingarten.bench.store import Store
+    from weingarten.cli.memory import keep_freed_memory
+    from weingarten.device import chosen_device
+    from weingarten.report.provenance import origin
+
+    for name, value, most in (
+        ("--seeds", arguments.seeds, MOST_SEEDS),
+        ("--points", arguments.points, 10**8),
+    ):
+        if not 1 <= value <= most:
+            raise OptionError(f"{name} must be between 1 and {most:,}; got {value}.")
+    plan = Plan(
+        Store(out),
+        parts_in(data, names(arguments.parts)),
+        contenders,
+        arguments.seeds,
+        arguments.points,
+        str(chosen_device(arguments.device)),
+        origin(),
+        share(arguments.shard),
+    )
+    with watching(arguments.quiet) as watcher:
+        return carry_out(plan, watcher, arguments.retry, keep_freed_memory, baseline)
+
+
+def watching(quiet: bool):
+    """Whoever tells a person how far things are: lines that pass on a terminal, lines that stay elsewhere."""
+    from weingarten.cli.watching import Lines, Quiet, Status
+
+    return Quiet() if quiet else Status() if sys.stderr.isatty() else Lines()
+
+
+def names(text: str | None) -> list[str]:
+    """The names in a list with commas."""
+    return [name.strip() for name in (text or "").split(",") if name.strip()]
+
+
+def share(text: str) -> tuple[int, int]:
+    """i and n of "i/n"."""
+    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    index, count = (int(found[1]), int(found[2])) if found else (0, 0)
+    if not 1 <= index <= count:
+        raise OptionError(f"--shard is written I/N with I from 1 to N, for example 2/4; got {text!r}.")
+    return index, count

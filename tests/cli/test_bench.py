@@ -1,0 +1,116 @@
+"""`weingarten bench` and `weingarten reproduce tables` as subprocesses, on small parts and few steps."""
+
+import csv
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import trimesh
+
+sys.path.insert(0, str(Path(__file__).parent))
+from command import run, started
+
+SHORT = ["--steps", "30", "--points-per-step", "200", "--resolution", "32", "--points", "2000"]
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    folder = tmp_path / "data"
+    folder.mkdir()
+    trimesh.creation.box((3, 2, 1)).export(folder / "block.stl")
+    trimesh.creation.cylinder(1.0, 1.5).export(folder / "drum.stl")
+    return folder
+
+
+def rows(out: Path) -> list[dict[str, str]]:
+    with (out / "results.csv").open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_methods_schedules_and_seeds(tmp_path: Path, data: Path):
+    out = tmp_path / "out"
+    options = ["--schedules", "own,none", "--seeds", "2", "--parts", "block", "--out", out, *SHORT]
+    code, text, errors = run("bench", data, *options)
+    assert code == 0, errors
+    assert "protocol published-1" in text
+    assert "[4/4] block, odw-none, seed 1: done" in errors
+    found = rows(out)
+    assert [(row["contender"], row["seed"], row["error"]) for row in found] == [
+        ("odw", "0", ""),
+        ("odw", "1", ""),
+        ("odw-none", "0", ""),
+        ("odw-none", "1", ""),
+    ]
+    assert {row["field-1.gradient_error_band"] != "" for row in found} == {True}
+    assert "Paired differences from odw" in (out / "tables.md").read_text()
+    assert len(json.loads((out / "results.json").read_text())) == 4
+    code, text, errors = run("bench", data, *options)
+    assert code == 0
+    assert "4 of them done before" in errors
+    code, _, errors = run("bench", data, "--parts", "block", "--out", out, "--steps", "31", *SHORT[2:])
+    assert code == 2
+    assert "another settings" in errors
+    assert "Traceback" not in errors
+
+
+def test_a_kill_costs_the_running_fit_alone(tmp_path: Path, data: Path):
+    out = tmp_path / "out"
+    process = started("bench", data, "--out", out, *SHORT, start_new_session=True)
+    deadline = time.monotonic() + 120
+    while not list(out.glob("fits/*/*/*/figures.json")):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    finished = {path: path.stat().st_mtime_ns for path in out.glob("fits/*/*/*/fit.json")}
+    code, _, errors = run("bench", data, "--out", out, *SHORT)
+    assert code == 0, errors
+    assert len(rows(out)) == 2
+    for path, written in finished.items():
+        assert path.stat().st_mtime_ns == written
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--methods", "nope"], "no method 'nope'"),
+        (["--schedules", "nope"], "no schedule 'nope'"),
+        (["--schedules", "own,own"], "take part twice"),
+        (["--baseline", "nope"], "takes no part"),
+        (["--parts", "nope"], "no part 'nope'"),
+        (["--shard", "3/2"], "--shard"),
+        (["--seeds", "0"], "--seeds"),
+        (["--points", "0"], "--points"),
+        (["--weight", "-1", "--schedules", "linear"], "not negative"),
+        (["--steps", "0"], "--steps"),
+    ],
+)
+def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[str], sentence: str):
+    code, _, errors = run("bench", data, "--out", tmp_path / "out", *options)
+    assert code == 2
+    assert sentence in errors
+    assert len(errors.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_papers_tables(tmp_path: Path, data: Path):
+    out = tmp_path / "out"
+    words = ("reproduce", "tables", "--data", data, "--out", out, "--parts", "block", "--seeds", "1", *SHORT)
+    code, text, errors = run(*words)
+    assert code == 0, errors
+    page = (out / "paper-tables.md").read_text()
+    for name in ("Table 1.", "Table 2.", "| step-next |", "| decreasing |", "98.01 (1.46)", "| ceiling |"):
+        assert name in page
+    assert "Table 1." in text
+    found = {row["contender"] for row in rows(out)}
+    assert {"odw-constant-w10", "odw-increasing-w10", "odw", "odw-none"} <= found
+    weights = json.loads((out / "fits/block/odw-quintic-w10/seed0/fit.json").read_text())["settings"]["knots"]
+    assert weights == [[0.0, 10.0], [0.2, 10.0], [0.5, 0.001], [1.0, 0.0]]
+    code, _, errors = run(*words)
+    assert code == 0
+    assert f"{len(found)} of them done before" in errors
