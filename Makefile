@@ -10,13 +10,16 @@ INSTALLED := $(VENV)/.installed
 DEVELOPING := $(VENV)/.developing
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test lint tree bench clean
+.PHONY: help install extras demo test lint tree bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 install: $(INSTALLED) ## the command, in .venv
 	@echo "ready: $(BIN)/weingarten --help"
+
+extras: $(INSTALLED) ## what the verbs bench, report and reproduce need beside it
+	@$(PIP) -e ".[bench,report]"
 
 demo: $(INSTALLED) ## points of a bundled flange to a mesh, a picture and its errors, in demo/
 	@mkdir -p demo && rm -rf demo/run

@@ -10,14 +10,15 @@ import pytest
 import trimesh
 
 from weingarten.bench import job as work
-from weingarten.bench.contender import Contender
+from weingarten.bench.contender import Contender, Neural
 from weingarten.bench.parts import Part, parts_in
 from weingarten.bench.results import results, write_results
-from weingarten.bench.runner import Plan, Watcher, Workers, last_step, run
+from weingarten.bench.runner import Plan, Watcher, Workers, batches, last_step, note_death, run
 from weingarten.bench.store import Store
 from weingarten.errors import InputError, OptionError
 from weingarten.metrics.exact import Exact
 from weingarten.metrics.published import Published
+from weingarten.settings import resolve
 
 CONTENDERS = '''
 """Contenders for tests, importable from any process."""
@@ -121,15 +122,15 @@ class Ends(Watcher):
     def __init__(self) -> None:
         self.names: list[tuple[str, str]] = []
 
-    def end(self, job) -> None:
-        self.names.append((job.part.name, job.contender.name))
+    def end(self, batch) -> None:
+        self.names += [(job.part.name, job.contender.name) for job in batch]
 
 
 class Here(Workers):
     """Fits in this process, which spares the start of another."""
 
-    def perform(self, job, watcher) -> None:
-        work.perform(job)
+    def perform(self, batch, watcher) -> None:
+        work.perform(batch)
 
 
 def carried_out(tmp_path: Path, parts: list[Part], contenders: list[Contender], **more) -> Ends:
@@ -138,7 +139,7 @@ def carried_out(tmp_path: Path, parts: list[Part], contenders: list[Contender], 
     seeds, shard = more.get("seeds", 1), more.get("shard", (1, 1))
     plan = Plan(Store(tmp_path / "out"), parts, contenders, seeds, 500, "cpu", ORIGIN, shard)
     ends = Ends()
-    run(plan.jobs(), ends, more.get("retry", False), workers)
+    run(plan.jobs(), ends, more.get("retry", False), workers, more.get("together", 1))
     return ends
 
 
@@ -195,6 +196,64 @@ def test_failures_are_noted_and_the_rest_goes_on(tmp_path, parts, cast):
     assert "mesh.ply" in errors.pop("sluggard")
     assert carried_out(tmp_path, parts[:1], troupe).names == []
     assert len(carried_out(tmp_path, parts[:1], troupe, retry=True, apart=True).names) == 4
+
+
+def test_a_death_while_judging_leaves_the_fit(tmp_path, parts, cast):
+    carried_out(tmp_path, parts[:1], [cast.Copyist()])
+    entry = Store(tmp_path / "out").entry("one", "copyist", 0)
+    (entry.folder / "figures.json").unlink()
+    plan = Plan(Store(tmp_path / "out"), parts[:1], [cast.Copyist()], 1, 500, "cpu", ORIGIN)
+    note_death(plan.jobs()[0])
+    assert entry.fit["status"] == "done"
+    assert "died" in entry.error
+    carried_out(tmp_path, parts[:1], [cast.Copyist()], retry=True)
+    assert not entry.error
+    assert len(calls(tmp_path)) == 1
+
+
+def test_parts_of_one_contender_and_seed_go_together(tmp_path, parts, cast):
+    troupe = [cast.Copyist(), cast.Loser("loser")]
+    plan = Plan(Store(tmp_path / "out"), parts, troupe, 2, 500, "cpu", ORIGIN)
+    made = batches(plan.jobs(), 2)
+    assert [[(job.part.name, job.contender.name, job.seed) for job in batch] for batch in made] == [
+        [("one", "copyist", 0), ("two", "copyist", 0)],
+        [("one", "loser", 0), ("two", "loser", 0)],
+        [("one", "copyist", 1), ("two", "copyist", 1)],
+        [("one", "loser", 1), ("two", "loser", 1)],
+    ]
+    assert len(batches(plan.jobs(), 1)) == 8
+    parts[0].truth.write_text("ply\n")
+    carried_out(tmp_path, parts, troupe, together=2)
+    errors = {(one.part, one.contender): one.error for one in results(Store(tmp_path / "out"))}
+    assert errors["two", "copyist"] == ""
+    assert errors["two", "loser"] == "It is too hard."
+    assert "one.ply" in errors["one", "copyist"]
+
+
+def test_an_ensemble_makes_what_each_fit_makes_alone(tmp_path, parts):
+    short = resolve(steps=20, points=100, resolution=24)
+    carried_out(tmp_path, parts, [Neural("alone", short)])
+    carried_out(tmp_path, parts, [Neural("together", short)], together=2)
+    store = Store(tmp_path / "out")
+    for part in ("one", "two"):
+        alone, together = store.entry(part, "alone", 0), store.entry(part, "together", 0)
+        assert not together.error
+        assert together.fit["together"] == 2
+        assert together.figures["exact-1"]["chamfer"] == pytest.approx(
+            alone.figures["exact-1"]["chamfer"], rel=0.02
+        )
+        assert together.figures["field-1"]["gradient_error_box"] == pytest.approx(
+            alone.figures["field-1"]["gradient_error_box"], rel=0.02
+        )
+
+
+def test_what_befalls_all_that_go_together_is_noted_of_each(tmp_path, parts, cast, monkeypatch):
+    def burst(self, scans):
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(cast.Copyist, "make_all", burst)
+    carried_out(tmp_path, parts, [cast.Copyist()], together=2)
+    assert [one.error for one in results(Store(tmp_path / "out"))] == ["MemoryError: no room"] * 2
 
 
 def test_only_an_oracle_sees_the_truth(tmp_path, parts, cast):

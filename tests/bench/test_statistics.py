@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import spearmanr
 
 from weingarten.bench.metric import EXACT_METRICS, METRICS, Metric
 from weingarten.bench.results import Result
-from weingarten.bench.statistics import difference, figures_of, interval, summary
+from weingarten.bench.statistics import correlation, difference, figures_of, interval, summary
 from weingarten.bench.store import Entry
 
 CD = METRICS[1]
@@ -105,3 +106,25 @@ def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
         low, high = interval(draw.normal(1.0, 2.0, 25))
         held += low <= 1.0 <= high
     assert 0.89 <= held / 300 <= 0.98
+
+
+@given(
+    st.lists(st.integers(-5, 5), min_size=4, max_size=9), st.lists(st.integers(-5, 5), min_size=9, max_size=9)
+)
+def test_rank_correlation_is_scipys_and_its_interval_holds_it_or_nearly(first: list[int], second: list[int]):
+    x, y = np.array(first, dtype=float), np.array(second[: len(first)], dtype=float)
+    made = correlation(x, y)
+    if np.ptp(x) == 0 or np.ptp(y) == 0:
+        assert made is None
+        return
+    assert made is not None
+    assert made.value == pytest.approx(spearmanr(x, y).statistic)
+    assert -1 - 1e-9 <= made.low <= made.high <= 1 + 1e-9
+
+
+def test_rank_correlation_of_what_always_grows_together_is_one():
+    made = correlation(np.arange(9.0), np.arange(9.0) ** 3)
+    assert made is not None
+    assert made.value == pytest.approx(1.0)
+    assert made.low == pytest.approx(1.0)
+    assert correlation(np.arange(3.0), np.arange(3.0)) is None

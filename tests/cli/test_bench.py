@@ -86,6 +86,7 @@ def test_a_kill_costs_the_running_fit_alone(tmp_path: Path, data: Path):
         (["--shard", "3/2"], "--shard"),
         (["--seeds", "0"], "--seeds"),
         (["--points", "0"], "--points"),
+        (["--together", "0"], "--together"),
         (["--weight", "-1", "--schedules", "linear"], "not negative"),
         (["--steps", "0"], "--steps"),
     ],

@@ -12,16 +12,24 @@ from weingarten.bench.table import Table, tables
 
 
 def carry_out(
-    plan: Plan, watcher: Watcher, retry: bool, setup: Callable[[], None], baseline: str | None = None
+    plan: Plan,
+    watcher: Watcher,
+    setup: Callable[[], None],
+    baseline: str | None = None,
+    retry: bool = False,
+    together: int = 1,
 ) -> list[Table]:
     """Make what is not made yet and write results.csv, results.json and tables.md; the tables.
 
     What is written holds every fit of the folder, those of other shards and earlier benchmarks too, and is
-    written even when the fits are interrupted. Raises OptionError where the folder holds other fits.
+    written even when the fits are interrupted. setup: called first in the process that fits. baseline: who
+    is compared with. retry, together: as in `runner.run`.
+
+    Raises OptionError where the folder holds other fits.
     """
     jobs = plan.jobs()
     try:
-        run(jobs, watcher, retry, Workers(setup))
+        run(jobs, watcher, retry, Workers(setup), together)
     finally:
         made = tabulate(plan.store, baseline)
     return made

@@ -6,6 +6,7 @@ know when to stop, as the paper's tables were made (method §2).
 
 import csv
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ from weingarten.mesh import Mesh
 from weingarten.reconstruction import Result, reconstruct
 from weingarten.scan.sampling import Points
 from weingarten.settings import Settings
+from weingarten.together import reconstruct_many
+from weingarten.world_field import WorldField
 
 ORACLE = "+oracle"
 POISSON = "poisson"
@@ -41,22 +44,20 @@ class Scan:
 class Made:
     """What is to be said of a mesh that was made.
 
-    earlier: seconds spent on it before an interruption. phases: seconds by phase.
+    earlier: seconds spent on it before an interruption. phases: seconds by phase. field: where there is one
+    that the folder does not hold.
     """
 
     notes: tuple[str, ...] = ()
     phases: dict[str, float] | None = None
     earlier: float = 0.0
+    field: WorldField | None = None
 
 
 class Contender(ABC):
-    """Whoever takes part.
-
-    oracle: whether it is shown the truth. leaves_field: whether its folder is a run folder, with a field.
-    """
+    """Whoever takes part. oracle: whether it is shown the truth."""
 
     oracle: bool = False
-    leaves_field: bool = False
 
     @property
     @abstractmethod
@@ -71,6 +72,10 @@ class Contender(ABC):
     def make(self, scan: Scan) -> Made:
         """Write the scan's mesh to mesh.ply in its folder. Raises a WeingartenError where there is none."""
 
+    def make_all(self, scans: Sequence[Scan]) -> list[Made | Exception]:
+        """The same of many scans of one seed; the error where there is none."""
+        return [attempt(self.make, scan) for scan in scans]
+
 
 @dataclass(frozen=True)
 class Neural(Contender):
@@ -79,7 +84,6 @@ class Neural(Contender):
     label: str
     settings: Settings
     oracle: bool = False
-    leaves_field: bool = True
 
     @property
     def name(self) -> str:
@@ -102,6 +106,23 @@ class Neural(Contender):
             return self.made(self.fitted(scan, resume=True), earlier)
         except CheckpointError:
             return self.made(self.fitted(scan, resume=False), 0.0)
+
+    def make_all(self, scans: Sequence[Scan]) -> list[Made | Exception]:
+        """See Contender. Many are fitted as one ensemble, which cannot be resumed; an oracle's are not."""
+        if len(scans) == 1 or self.oracle:
+            return super().make_all(scans)
+        first = scans[0]
+        settings = replace(self.settings, seed=first.seed)
+        found = reconstruct_many([scan.points for scan in scans], settings, device=first.device)
+        return [
+            answer if isinstance(answer, Exception) else self.kept(answer, scan)
+            for answer, scan in zip(found, scans, strict=True)
+        ]
+
+    def kept(self, result: Result, scan: Scan) -> Made:
+        """A result of an ensemble: its mesh goes to the folder, its field to whoever judges."""
+        write_mesh(scan.folder / "mesh.ply", result.mesh)
+        return Made(result.summary.notes, result.summary.seconds, field=result.field)
 
     def fitted(self, scan: Scan, resume: bool) -> Result:
         """The reconstruction."""
@@ -139,6 +160,14 @@ class Poisson(Contender):
         """See Contender."""
         write_mesh(scan.folder / "mesh.ply", screened_poisson(scan.points, self.depth))
         return Made()
+
+
+def attempt(make: Callable[[Scan], Made], scan: Scan) -> Made | Exception:
+    """What was made, or the error."""
+    try:
+        return make(scan)
+    except Exception as error:
+        return error
 
 
 def seconds_of(curve: Path) -> float:

@@ -1,14 +1,15 @@
-"""One fit of a benchmark, from the scan to its figures, in whichever process it runs."""
+"""Fits of a benchmark, from the scan to their figures, in whichever process they run."""
 
 import hashlib
 import time
 import traceback
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import psutil
 
-from weingarten.bench.contender import Contender, Scan
+from weingarten.bench.contender import Contender, Made, Scan
 from weingarten.bench.parts import Part
 from weingarten.bench.store import Entry, Store, make_folder
 from weingarten.device import chosen_device
@@ -53,14 +54,24 @@ class Job:
             "scan": scan,
         }
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """What is noted of the fit, whatever becomes of it."""
+        where = {"truth": str(self.part.truth.resolve()), "device": self.device}
+        return {**self.identity, **where, **self.origin}
 
-def perform(job: Job) -> None:
-    """Make the mesh, unless it is there; judge it, unless that was done. What goes wrong is noted."""
-    make_folder(job.entry.folder)
-    if job.entry.fit.get("status") != DONE:
-        job.entry.write_fit(fitted(job))
-    if job.entry.fit["status"] == DONE and not judged(job):
-        job.entry.write_figures(figures(job))
+
+def perform(jobs: Sequence[Job]) -> None:
+    """Make the meshes that are not there and judge what was not judged. What goes wrong is noted.
+
+    jobs: of one contender and seed, which are made together if it can.
+    """
+    for job in jobs:
+        make_folder(job.entry.folder)
+    fields = make([job for job in jobs if job.entry.fit.get("status") != DONE])
+    for job in jobs:
+        if job.entry.fit["status"] == DONE and not judged(job):
+            job.entry.write_figures(figures(job, fields.get(job.part.name)))
 
 
 def judged(job: Job) -> bool:
@@ -69,25 +80,62 @@ def judged(job: Job) -> bool:
     return "error" not in found and PUBLISHED.name in found and EXACT.name in found
 
 
-def fitted(job: Job) -> dict[str, Any]:
-    """How the mesh was made: seconds, from points in memory to the mesh; or why there is none."""
-    record: dict[str, Any] = {**job.identity, "truth": str(job.part.truth.resolve()), "device": job.device}
-    record |= job.origin
+def make(jobs: Sequence[Job]) -> dict[str, WorldField]:
+    """Make the meshes and note how: seconds from points in memory to the mesh, of one of so many.
+
+    The fields that are nowhere else, by part.
+    """
+    ready: dict[int, Scan] = {}
+    for index, job in enumerate(jobs):
+        try:
+            ready[index] = scan_of(job)
+        except Exception as error:
+            job.entry.write_fit(job.record | failure(error))
+    if not ready:
+        return {}
     process = psutil.Process()
+    before, started = process.cpu_times(), time.perf_counter()
+    outcomes = attempt_all(jobs[0].contender, list(ready.values()))
+    wall, after = time.perf_counter() - started, process.cpu_times()
+    cost = {
+        "seconds": wall / len(ready),
+        "cpu_seconds": (after.user + after.system - before.user - before.system) / len(ready),
+        "together": len(ready),
+    }
+    fields = {}
+    for index, made in zip(ready, outcomes, strict=True):
+        job = jobs[index]
+        job.entry.write_fit(
+            job.record | (failure(made) if isinstance(made, Exception) else success(made, cost))
+        )
+        if isinstance(made, Made) and made.field is not None:
+            fields[job.part.name] = made.field
+    return fields
+
+
+def attempt_all(contender: Contender, scans: Sequence[Scan]) -> list[Made | Exception]:
+    """What was made of every scan, or the error; one that befell all of them stands for each."""
     try:
-        truth = job.part.mesh()
-        keep_ceiling(job, truth)
-        points = job.store.scan(job.part, job.points, job.seed)
-        shown = truth if job.contender.oracle else None
-        before, started = process.cpu_times(), time.perf_counter()
-        made = job.contender.make(Scan(points, job.seed, job.device, job.entry.folder, shown))
+        return contender.make_all(scans)
     except Exception as error:
-        return record | failure(error)
-    after = process.cpu_times()
-    return record | {
+        return [error] * len(scans)
+
+
+def scan_of(job: Job) -> Scan:
+    """What the contender is given. Raises InputError for a truth or cloud that cannot be read."""
+    truth = job.part.mesh()
+    keep_ceiling(job, truth)
+    points = job.store.scan(job.part, job.points, job.seed)
+    shown = truth if job.contender.oracle else None
+    return Scan(points, job.seed, job.device, job.entry.folder, shown)
+
+
+def success(made: Made, cost: dict[str, Any]) -> dict[str, Any]:
+    """What is noted of a fit that was made."""
+    return {
         "status": DONE,
-        "seconds": made.earlier + time.perf_counter() - started,
-        "cpu_seconds": (after.user + after.system) - (before.user + before.system),
+        **cost,
+        "seconds": made.earlier + cost["seconds"],
         "resumed": made.earlier > 0,
         "phases": made.phases or {},
         "notes": list(made.notes),
@@ -103,15 +151,19 @@ def keep_ceiling(job: Job, truth: Mesh) -> None:
     job.store.write_truth(job.part.name, values)
 
 
-def figures(job: Job) -> dict[str, Any]:
-    """Of the mesh, and of the field where there is one, by protocol; or why there are none."""
+def figures(job: Job, field: WorldField | None) -> dict[str, Any]:
+    """Of the mesh, and of the field where there is one, by protocol; or why there are none.
+
+    field: where the fit's folder does not hold it.
+    """
     try:
         truth, mesh = job.part.mesh(), job.entry.mesh()
         keep_ceiling(job, truth)
         found = [PUBLISHED.evaluate(mesh, truth), EXACT.evaluate(mesh, truth)]
-        if job.contender.leaves_field:
-            checkpoint, _ = opened(job.entry.folder)
-            found.append(FIELD.evaluate(WorldField.of(checkpoint, chosen_device("cpu")), truth))
+        if field is None and job.entry.checkpoint_path.exists():
+            field = WorldField.of(opened(job.entry.folder)[0], chosen_device("cpu"))
+        if field is not None:
+            found.append(FIELD.evaluate(field, truth))
     except Exception as error:
         return failure(error)
     return {one.protocol: one.as_dict() for one in found}

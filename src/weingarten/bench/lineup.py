@@ -7,8 +7,8 @@ from weingarten.bench.contender import POISSON, Contender, Neural, Poisson
 from weingarten.errors import OptionError
 from weingarten.settings import Settings, resolve
 
-OWN = "own"
-"""The schedule that a method comes with."""
+OWN, NONE = "own", "none"
+"""The schedule that a method comes with, and the one without any weight."""
 
 
 def lineup(

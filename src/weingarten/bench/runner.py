@@ -4,14 +4,16 @@ Fits are ordered by seed, part and contender: those that are compared are made s
 after a while is a whole benchmark of fewer seeds.
 """
 
+import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures import TimeoutError as NotYet
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 
 from weingarten.bench import job as work
@@ -53,30 +55,40 @@ class Plan:
 
 
 class Watcher:
-    """Whoever watches a benchmark; the default sees nothing."""
+    """Whoever watches a benchmark; the default sees nothing. A batch is of jobs that are done together."""
 
     def plan(self, jobs: Sequence[Job], waiting: Sequence[Job]) -> None:
         """What there is, and what of it is still to be made."""
 
-    def begin(self, job: Job) -> None:
-        """A fit begins."""
+    def begin(self, batch: Sequence[Job]) -> None:
+        """Fits begin."""
 
-    def look(self, job: Job, step: int | None) -> None:
-        """A fit goes on; step: of the last loss in its folder."""
+    def look(self, batch: Sequence[Job], step: int | None) -> None:
+        """Fits go on; step: of the last loss in the first one's folder."""
 
-    def end(self, job: Job) -> None:
-        """A fit has ended, well or not: its entry says which."""
+    def end(self, batch: Sequence[Job]) -> None:
+        """Fits have ended, well or not: their entries say which."""
 
 
-def run(jobs: Sequence[Job], watcher: Watcher, retry: bool, workers: "Workers") -> None:
-    """Make every fit that is not done. retry: those that failed as well."""
+def run(jobs: Sequence[Job], watcher: Watcher, retry: bool, workers: "Workers", together: int = 1) -> None:
+    """Make every fit that is not done. retry: those that failed as well. together: so many parts at once."""
     waiting = [job for job in jobs if not done(job, retry)]
     watcher.plan(jobs, waiting)
     with workers.closing():
-        for job in waiting:
-            watcher.begin(job)
-            workers.perform(job, watcher)
-            watcher.end(job)
+        for batch in batches(waiting, together):
+            watcher.begin(batch)
+            workers.perform(batch, watcher)
+            watcher.end(batch)
+
+
+def batches(jobs: Sequence[Job], together: int) -> list[list[Job]]:
+    """The jobs in order; of one contender and seed up to so many together, where that is more than one."""
+    if together == 1:
+        return [[job] for job in jobs]
+    alike: dict[tuple[int, str], list[Job]] = {}
+    for job in jobs:
+        alike.setdefault((job.seed, job.contender.name), []).append(job)
+    return [own[start : start + together] for own in alike.values() for start in range(0, len(own), together)]
 
 
 def done(job: Job, retry: bool) -> bool:
@@ -93,25 +105,24 @@ class Workers:
         self.setup = setup
         self.pool: ProcessPoolExecutor | None = None
 
-    def perform(self, job: Job, watcher: Watcher) -> None:
-        """Fit in the process; a death of the process is noted as the fit's failure."""
+    def perform(self, batch: Sequence[Job], watcher: Watcher) -> None:
+        """Fit and judge in the process; its death is noted with whatever it had not finished."""
         if self.pool is None:
             self.pool = ProcessPoolExecutor(1, get_context("spawn"), initializer, (self.setup,))
         try:
-            self.await_end(self.pool.submit(work.perform, job), job, watcher)
+            self.await_end(self.pool.submit(work.perform, batch), batch, watcher)
         except BrokenProcessPool:
             self.pool = None
-            make_folder(job.entry.folder)
-            sentence = "The process that fitted died; it may have run out of memory."
-            job.entry.write_fit({**job.identity, **job.origin, "status": FAILED, "error": sentence})
+            for job in batch:
+                note_death(job)
 
-    def await_end(self, future: Future, job: Job, watcher: Watcher) -> None:
-        """Look now and then until the fit has ended."""
+    def await_end(self, future: Future, batch: Sequence[Job], watcher: Watcher) -> None:
+        """Look now and then until all have ended."""
         while True:
             try:
                 return future.result(POLL)
             except NotYet:
-                watcher.look(job, last_step(job.entry.curve_path))
+                watcher.look(batch, last_step(batch[0].entry.curve_path))
 
     @contextmanager
     def closing(self) -> Iterator[None]:
@@ -125,10 +136,32 @@ class Workers:
                 self.pool.shutdown(cancel_futures=True)
 
 
+def note_death(job: Job) -> None:
+    """What a process that died had not finished has failed; a mesh that it had made stays."""
+    died = {"status": FAILED, "error": "The process died; it may have run out of memory."}
+    make_folder(job.entry.folder)
+    if job.entry.fit.get("status") != DONE:
+        job.entry.write_fit(job.record | died)
+    elif not work.judged(job):
+        job.entry.write_figures(died)
+
+
 def initializer(setup: Callable[[], None]) -> None:
-    """Before the first fit of a process: Ctrl-C is for the one who waits for it."""
+    """Before the first fit of a process: Ctrl-C is for its parent, with whose death it ends as well.
+
+    Else it would go on when its parent was killed, beside that of the benchmark begun again.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=end_with_parent, daemon=True).start()
     setup()
+
+
+def end_with_parent() -> None:
+    """Wait for the death of the process that began this one."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def last_step(curve: Path) -> int | None:

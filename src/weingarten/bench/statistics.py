@@ -8,14 +8,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
+from scipy.stats import rankdata
 
 from weingarten.bench.metric import Metric
 from weingarten.bench.results import Result
 from weingarten.scan.sampling import generator
 
 RESAMPLES = 10_000
-LEVEL = 0.95
+PERCENTILES = (2.5, 97.5)
 SEED = 0
 
 Values = Float64[np.ndarray, " n"]
@@ -113,8 +114,44 @@ def difference(figures: Figures, baseline: Figures, metric: Metric) -> Differenc
     return Difference(float(np.mean(values)), low, high, better, worse, len(values))
 
 
+@dataclass(frozen=True)
+class Correlation:
+    """Spearman's rank correlation of two quantities of the parts, and its 95 % interval by the bootstrap.
+
+    ρ = corr(rank x, rank y): 1 where one always grows with the other, 0 where neither tells of the other.
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+def correlation(first: Values, second: Values) -> Correlation | None:
+    """None of fewer than 4 parts, or where one of the quantities is the same for all."""
+    if len(first) < 4 or np.ptp(first) == 0 or np.ptp(second) == 0:
+        return None
+    pair = np.stack([first, second])
+    values = _rank_correlations(pair[:, resampled(len(first))])
+    low, high = np.nanpercentile(values, PERCENTILES)
+    return Correlation(float(_rank_correlations(pair)), float(low), float(high))
+
+
+def _rank_correlations(pairs: Float64[np.ndarray, "2 *many n"]) -> Float64[np.ndarray, "*many"]:
+    """Of the last axis; NaN where a quantity is the same throughout, as in a resample of one part alone."""
+    ranks = rankdata(pairs, axis=-1)
+    centred = ranks - ranks.mean(axis=-1, keepdims=True)
+    spread = np.sqrt((centred**2).sum(axis=-1)).prod(axis=0)
+    return np.divide(
+        centred.prod(axis=0).sum(axis=-1), spread, out=np.full_like(spread, np.nan), where=spread > 0
+    )
+
+
 def interval(values: Values) -> tuple[float, float]:
     """The bootstrap's interval of the mean of independent values."""
-    chosen = generator(SEED).integers(len(values), size=(RESAMPLES, len(values)))
-    low, high = np.percentile(values[chosen].mean(axis=1), [50 * (1 - LEVEL), 50 * (1 + LEVEL)])
+    low, high = np.percentile(values[resampled(len(values))].mean(axis=1), PERCENTILES)
     return float(low), float(high)
+
+
+def resampled(count: int) -> Int64[np.ndarray, "resamples count"]:
+    """Which parts each of the resamples consists of."""
+    return generator(SEED).integers(count, size=(RESAMPLES, count))

@@ -40,6 +40,11 @@ class Entry:
         """Where its loss curve is; not every contender has one."""
         return self.folder / "loss.csv"
 
+    @property
+    def checkpoint_path(self) -> Path:
+        """Where its field is; not every contender leaves one."""
+        return self.folder / "checkpoint.safetensors"
+
     def mesh(self) -> Mesh:
         """What was made, world frame. Raises InputError."""
         return read_mesh(self.mesh_path)

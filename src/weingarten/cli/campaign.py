@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from weingarten.bench.table import Table
     from weingarten.settings import Settings
 
-MOST_SEEDS = 1000
-
 
 def add_options(verb: argparse.ArgumentParser, seeds: int) -> None:
     """What every benchmark can be told. seeds: how many, by default."""
@@ -32,6 +30,9 @@ def add_options(verb: argparse.ArgumentParser, seeds: int) -> None:
     verb.add_argument("--points", type=int, default=30_000, metavar="N", help="points of each sampled scan")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
     verb.add_argument("--shard", default="1/1", metavar="I/N", help="only the I-th of N shares of the fits")
+    verb.add_argument(
+        "--together", type=int, default=1, metavar="N", help="parts fitted at once as one ensemble, for GPUs"
+    )
     verb.add_argument("--retry", action="store_true", help="try again what failed before")
     verb.add_argument("--oracle", action="store_true", help="stop early by the truth, as the paper does")
     verb.add_argument("--quiet", action="store_true", help="no progress")
@@ -62,8 +63,9 @@ def carried_out(
     from weingarten.report.provenance import origin
 
     for name, value, most in (
-        ("--seeds", arguments.seeds, MOST_SEEDS),
+        ("--seeds", arguments.seeds, 1000),
         ("--points", arguments.points, 10**8),
+        ("--together", arguments.together, 1000),
     ):
         if not 1 <= value <= most:
             raise OptionError(f"{name} must be between 1 and {most:,}; got {value}.")
@@ -78,7 +80,7 @@ def carried_out(
         share(arguments.shard),
     )
     with watching(arguments.quiet) as watcher:
-        return carry_out(plan, watcher, arguments.retry, keep_freed_memory, baseline)
+        return carry_out(plan, watcher, keep_freed_memory, baseline, arguments.retry, arguments.together)
 
 
 def watching(quiet: bool):

@@ -45,28 +45,31 @@ class Lines(Quiet):
         self.waiting = waiting
         self.say(f"{len(jobs)} fits, {len(jobs) - len(waiting)} of them done before.")
 
-    def begin(self, job: Job) -> None:
+    def begin(self, batch: Sequence[Job]) -> None:
         """See Watcher."""
         self.started = self.clock()
-        self.show(f"{self.position(job, self.ended + 1)} …")
+        self.show(f"{self.position(batch)} …")
 
-    def look(self, job: Job, step: int | None) -> None:
+    def look(self, batch: Sequence[Job], step: int | None) -> None:
         """See Watcher."""
         far = "" if step is None else f", step {step + 1}"
-        seconds = duration(self.clock() - self.started)
-        self.show(f"{self.position(job, self.ended + 1)}{far}, {seconds}{self.left()}")
+        self.show(f"{self.position(batch)}{far}, {duration(self.clock() - self.started)}{self.left()}")
 
-    def end(self, job: Job) -> None:
+    def end(self, batch: Sequence[Job]) -> None:
         """See Watcher."""
-        self.ended += 1
-        self.taken.setdefault(job.contender.name, []).append(self.clock() - self.started)
-        error = job.entry.error
-        outcome = f"failed: {error}" if error else "done"
-        self.say(f"{self.position(job, self.ended)}: {outcome}{self.left()}")
+        each = (self.clock() - self.started) / len(batch)
+        for job in batch:
+            at = self.position([job])
+            self.ended += 1
+            self.taken.setdefault(job.contender.name, []).append(each)
+            error = job.entry.error
+            self.say(f"{at}: {f'failed: {error}' if error else 'done'}{self.left()}")
 
-    def position(self, job: Job, number: int) -> str:
+    def position(self, batch: Sequence[Job]) -> str:
         """Which of how many, and which it is."""
-        return f"[{number}/{len(self.waiting)}] {job.part.name}, {job.contender.name}, seed {job.seed}"
+        first, more = batch[0], f" and {len(batch) - 1} more parts" if len(batch) > 1 else ""
+        number = f"[{self.ended + 1}/{len(self.waiting)}]"
+        return f"{number} {first.part.name}{more}, {first.contender.name}, seed {first.seed}"
 
     def left(self) -> str:
         """Until all fits are done: each takes what its contender's have taken so far, or the mean of all."""

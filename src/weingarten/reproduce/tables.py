@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from weingarten.bench.contender import Contender
-from weingarten.bench.lineup import OWN, POISSON, lineup
+from weingarten.bench.lineup import NONE, OWN, POISSON, lineup
 from weingarten.bench.metric import PUBLISHED_METRICS, Metric
 from weingarten.bench.results import Result
 from weingarten.bench.statistics import figures_of, summary
 from weingarten.bench.table import Cell, Table, ceiling_rows, marked
 from weingarten.reproduce.published import PUBLISHED_ROWS
+from weingarten.reproduce.thin_parts import thin_parts
 from weingarten.settings import Settings
 
 TABLE_1 = {name: name for name in ("constant", "linear", "quintic", "step", "step-next")}
@@ -26,15 +27,15 @@ CAPTION = (
 
 @dataclass(frozen=True)
 class Entrants:
-    """Who takes part. scheduled: by schedule, at the paper's weight. others: beside the paper's tables."""
+    """Who takes part, by schedule. scheduled: those of the paper. others: OWN, NONE, POISSON, if they do."""
 
     scheduled: dict[str, Contender]
-    others: list[Contender]
+    others: dict[str, Contender]
 
     @property
     def everyone(self) -> list[Contender]:
         """In order."""
-        return [*self.scheduled.values(), *self.others]
+        return [*self.scheduled.values(), *self.others.values()]
 
     @classmethod
     def of(cls, budget: Settings, weight: float, oracle: bool, poisson: bool) -> "Entrants":
@@ -46,10 +47,12 @@ class Entrants:
         names = list(dict.fromkeys([*TABLE_1.values(), *TABLE_2.values()]))
         scheduled = lineup([budget.method], names, budget, weight, oracle)
         known = [one.description() for one in scheduled]
-        others = lineup([budget.method], [OWN, "none"], budget, oracle=oracle)
-        practitioner = lineup([POISSON], [], budget) if poisson else []
-        new = [one for one in others if one.description() not in known]
-        return cls(dict(zip(names, scheduled, strict=True)), [*new, *practitioner])
+        own, none = lineup([budget.method], [OWN, NONE], budget, oracle=oracle)
+        others = {OWN: own} if own.description() not in known else {}
+        others[NONE] = none
+        if poisson:
+            (others[POISSON],) = lineup([POISSON], [], budget)
+        return cls(dict(zip(names, scheduled, strict=True)), others)
 
 
 def paper_tables(found: Sequence[Result], entrants: Entrants) -> list[Table]:
@@ -57,11 +60,12 @@ def paper_tables(found: Sequence[Result], entrants: Entrants) -> list[Table]:
     good = [one for one in found if one.good]
     first = {row: entrants.scheduled[schedule].name for row, schedule in TABLE_1.items()}
     second = {row: entrants.scheduled[schedule].name for row, schedule in TABLE_2.items()}
-    others = {one.name: one.name for one in entrants.others}
+    others = {one.name: one.name for one in entrants.others.values()}
     return [
         paper_table("Table 1. Schedules of the ODW weight", good, first, TABLE_1),
         paper_table("Table 2. Constant, decreasing and increasing weights", good, second, TABLE_2),
         paper_table("Beside them, on the same clouds", good, others, {}),
+        *thin_parts(good, entrants.others[NONE].name, [one.name for one in entrants.everyone]),
     ]
 
 
