@@ -106,14 +106,14 @@ def panel(context, a, a_at, a_row, b, b_at, b_row, c, c_at, c_row, inner, rows, 
     """
     check_single(a, b, c)
     size = types.intp
-    signature = types.void(a, size, size, b, size, size, c, size, size, size, rows, adds)
+    signature = types.void(a, size, size, b, size, size, c, size, size, size, rows, types.boolean)
 
     def emit(context, builder, signature, arguments):
-        a_, a_at_, a_row_, b_, b_at_, b_row_, c_, c_at_, c_row_, inner_, *_ = arguments
+        a_, a_at_, a_row_, b_, b_at_, b_row_, c_, c_at_, c_row_, inner_, _, adds_ = arguments
         places = (a, a_, a_at_), (b, b_, b_at_), (c, c_, c_at_)
         starts = [start(context, builder, *place) for place in places]
         strides = [a_row_, b_row_, c_row_]
-        emit_panel(builder, starts, strides, inner_, rows.literal_value, adds.literal_value)
+        emit_panel(builder, starts, strides, inner_, rows.literal_value, adds_)
         return context.get_dummy_value()
 
     return signature, emit
@@ -144,7 +144,7 @@ def emit_panel(builder, starts, strides, inner, rows, adds):
     a_rows = [builder.gep(a, [builder.mul(a_row, index(row))]) for row in range(rows)]
     places = [place for row in range(rows) for place in vectors(c, c_row, index(row))]
     zero = ir.Constant(vector, None)
-    before = [builder.load(place, align=4) if adds else zero for place in places]
+    before = [builder.select(adds, builder.load(place, align=4), zero) for place in places]
     entry, body, end = builder.block, builder.append_basic_block(), builder.append_basic_block()
     builder.branch(body)
     builder.position_at_end(body)
@@ -207,30 +207,29 @@ def emit_turn_block(builder, x, x_row, out, out_row):
 
 
 @compiled
+def panels(a, a_row, b, b_row, c, c_row, inner, rows, columns, adds):
+    """c ← a b + (c if adds), a panel at a time, for so many rows and the columns that panels cover."""
+    whole = rows // ROWS * ROWS
+    for j in range(0, columns, PANEL):
+        for i in range(0, whole, ROWS):
+            panel(a, i * a_row, a_row, b, j, b_row, c, i * c_row + j, c_row, inner, ROWS, adds)
+        for i in range(whole, rows):
+            panel(a, i * a_row, a_row, b, j, b_row, c, i * c_row + j, c_row, inner, 1, adds)
+
+
+@compiled
 def product(V, x, out, n):
     """out ← V x for the first n columns and those that fill their last panel."""
     rows, inner = V.shape
-    x_row, o_row = x.shape[1], out.shape[1]
-    whole = rows // ROWS * ROWS
-    for j in range(0, n, PANEL):
-        for i in range(0, whole, ROWS):
-            panel(V, i * inner, inner, x, j, x_row, out, i * o_row + j, o_row, inner, ROWS, 0)
-        for i in range(whole, rows):
-            panel(V, i * inner, inner, x, j, x_row, out, i * o_row + j, o_row, inner, 1, 0)
+    panels(V, inner, x, x.shape[1], out, out.shape[1], inner, rows, n, False)
 
 
 @compiled
 def add_outer(y, x, turned, out, n):
     """out ← out + y xᵀ, sums over the first n columns; `turned` is room for xᵀ, out's columns are padded."""
     rows, inner = out.shape
-    y_row = y.shape[1]
     turn(x, turned, n, rows, inner)
-    whole = rows // ROWS * ROWS
-    for j in range(0, inner, PANEL):
-        for i in range(0, whole, ROWS):
-            panel(y, i * y_row, y_row, turned, j, inner, out, i * inner + j, inner, n, ROWS, 1)
-        for i in range(whole, rows):
-            panel(y, i * y_row, y_row, turned, j, inner, out, i * inner + j, inner, n, 1, 1)
+    panels(y, y.shape[1], turned, inner, out, inner, n, rows, inner, True)
 
 
 @compiled
@@ -253,7 +252,7 @@ def symmetric_product(x, y, out):
     flat = out.reshape(-1)
     for j in range(0, n, PANEL):
         for i in range(j, n, ROWS):
-            panel(x, i * n, n, y, j, n, out, i * n + j, n, n, ROWS, 0)
+            panel(x, i * n, n, y, j, n, out, i * n + j, n, n, ROWS, False)
     for j in range(0, n, LANES):
         for i in range(j + LANES, n, LANES):
             turn_block(out, i * n + j, n, flat, j * n + i, n)
