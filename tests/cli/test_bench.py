@@ -36,7 +36,8 @@ def test_methods_schedules_and_seeds(tmp_path: Path, data: Path):
     options = ["--schedules", "own,none", "--seeds", "2", "--parts", "block", "--out", out, *SHORT]
     code, text, errors = run("bench", data, *options)
     assert code == 0, errors
-    assert "protocol published-1" in text
+    assert "exact CD" in text
+    assert "protocol published-1" in (out / "tables.md").read_text()
     assert "[4/4] block, odw-none, seed 1: done" in errors
     found = rows(out)
     assert [(row["contender"], row["seed"], row["error"]) for row in found] == [

@@ -67,7 +67,7 @@ EXACT_METRICS = (
     _share("exact-1.edge_f1", "edge F1"),
     Metric("exact-1.volume_ratio", "volume ratio", "", 1.0, 4, higher=False, aim=1.0),
     _share("exact-1.watertight", "watertight"),
-    _share("exact-1.topology_right", "components and genus right"),
+    _share("exact-1.topology_right", "topology right"),
 )
 
 METRICS = (*PUBLISHED_METRICS, EXCESS, *EXACT_METRICS)

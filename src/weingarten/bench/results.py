@@ -11,6 +11,8 @@ from weingarten.atomic import replacing
 from weingarten.bench.job import DONE
 from weingarten.bench.store import Entry, Store
 
+PENDING = "It has not been judged yet."
+
 Value = float | int | bool | str | None
 
 
@@ -40,6 +42,11 @@ class Result:
         """Whether there are figures."""
         return not self.error
 
+    @property
+    def failed(self) -> bool:
+        """Whether there will be none."""
+        return self.error not in ("", PENDING)
+
     def number(self, key: str) -> float | None:
         """A figure as a number, truth values as 0 and 1; None where it does not exist."""
         value = self.values.get(key)
@@ -55,7 +62,7 @@ def results(store: Store) -> list[Result]:
 def result(store: Store, entry: Entry, fit: dict[str, Any]) -> Result:
     """One fit's."""
     figures = entry.figures if fit["status"] == DONE else {}
-    error = entry.error or ("" if figures else "It has not been judged yet.")
+    error = entry.error or ("" if figures else PENDING)
     values: dict[str, Value] = {}
     flags: set[str] = set()
     for protocol, own in figures.items():

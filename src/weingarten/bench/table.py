@@ -1,6 +1,6 @@
 """The tables of a benchmark, ready for print in any form."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from weingarten.bench.metric import EXACT_METRICS, EXCESS, METRICS, PUBLISHED_METRICS, Metric
@@ -11,6 +11,8 @@ CEILING = "ceiling"
 BEST, SECOND = "best", "second"
 PAIRED = (*PUBLISHED_METRICS, *EXACT_METRICS[:8])
 """Metrics whose differences are tabulated."""
+GLANCE = (*PUBLISHED_METRICS, EXACT_METRICS[0], EXACT_METRICS[10])
+"""Metrics of the first table."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,7 @@ def tables(found: Sequence[Result], baseline: str | None = None) -> list[Table]:
     names = list(dict.fromkeys(one.contender for one in good))
     against = baseline or (names[0] if names else "")
     made = [
+        glance(good, names),
         means("Means, protocol published-1", (*PUBLISHED_METRICS, EXCESS), good, names, PUBLISHED_NOTE),
         means("Means, protocol exact-1", EXACT_METRICS, good, names, EXACT_NOTE),
         extremes(good, names),
@@ -51,6 +54,40 @@ def tables(found: Sequence[Result], baseline: str | None = None) -> list[Table]:
         troubles(found),
     ]
     return [table for table in made if table.rows]
+
+
+def glance(found: Sequence[Result], names: Sequence[str]) -> Table:
+    """The means that matter most, on one screen."""
+    metrics = present(GLANCE, found)
+    cells = marked_cells(found, names, metrics, lambda own, metric: metric.shown(own.mean))
+    rows = []
+    for name in names:
+        seconds = mean_of([one.seconds for one in found if one.contender == name and one.seconds is not None])
+        rows.append((Cell(name), *cells[name], Cell("none") if seconds is None else number(seconds)))
+    heads = [f"{'exact ' if one in EXACT_METRICS else ''}{one.heading}{arrow(one)}" for one in metrics]
+    caption = "Means over the parts; protocol published-1, and exact-1 where it says exact."
+    return Table("At a glance", caption, ("", *heads, "seconds"), tuple(rows))
+
+
+def present(metrics: Sequence[Metric], found: Sequence[Result]) -> list[Metric]:
+    """Those that any result has."""
+    return [metric for metric in metrics if any(metric.key in one.values for one in found)]
+
+
+def marked_cells(
+    found: Sequence[Result],
+    names: Sequence[str],
+    metrics: Sequence[Metric],
+    text: Callable[[Summary, Metric], str],
+) -> dict[str, list[Cell]]:
+    """By contender, a cell for every metric: its mean, written by `text`, the best two contenders marked."""
+    cells: dict[str, list[Cell]] = {name: [] for name in names}
+    for metric in metrics:
+        own = [summary(figures_of(found, name, metric.key), metric) for name in names]
+        marks = marked([one and metric.loss(one.mean) for one in own])
+        for name, one, mark in zip(names, own, marks, strict=True):
+            cells[name].append(Cell("none") if one is None else Cell(text(one, metric), one.mean, mark))
+    return cells
 
 
 PUBLISHED_NOTE = (
@@ -68,22 +105,9 @@ def means(
     title: str, metrics: Sequence[Metric], found: Sequence[Result], names: Sequence[str], caption: str
 ) -> Table:
     """A row a contender, a column a metric; and the ceiling, where one of the metrics has one."""
-    metrics = [one for one in metrics if any(one.key in result.values for result in found)]
-    summaries = {
-        name: [summary(figures_of(found, name, metric.key), metric) for metric in metrics] for name in names
-    }
-    columns = list(zip(*summaries.values(), strict=True))
-    marks = [
-        marked([s and metric.loss(s.mean) for s in own]) for metric, own in zip(metrics, columns, strict=True)
-    ]
-    rows = [
-        (
-            Cell(name),
-            *(mean_cell(s, metric, mark[index]) for s, metric, mark in zip(own, metrics, marks, strict=True)),
-            Cell(*counted(found, name)),
-        )
-        for index, (name, own) in enumerate(summaries.items())
-    ]
+    metrics = present(metrics, found)
+    cells = marked_cells(found, names, metrics, spread)
+    rows = [(Cell(name), *cells[name], Cell(*counted(found, name))) for name in names]
     rows += ceiling_rows(metrics, found)
     return Table(title, caption, ("", *(m.heading + arrow(m) for m in metrics), "parts × seeds"), tuple(rows))
 
@@ -93,16 +117,14 @@ def arrow(metric: Metric) -> str:
     return "" if metric.aim is not None else " ↑" if metric.higher else " ↓"
 
 
-def mean_cell(one: Summary | None, metric: Metric, mark: str) -> Cell:
+def spread(own: Summary, metric: Metric) -> str:
     """mean (deviation) ± between seeds."""
-    if one is None:
-        return Cell("none")
-    text = metric.shown(one.mean)
-    if one.deviation is not None:
-        text += f" ({metric.shown(one.deviation)})"
-    if one.seeds is not None:
-        text += f" ± {metric.shown(one.seeds)}"
-    return Cell(text, one.mean, mark)
+    text = metric.shown(own.mean)
+    if own.deviation is not None:
+        text += f" ({metric.shown(own.deviation)})"
+    if own.seeds is not None:
+        text += f" ± {metric.shown(own.seeds)}"
+    return text
 
 
 def counted(found: Sequence[Result], name: str) -> tuple[str, float]:
@@ -123,7 +145,8 @@ def ceiling_rows(metrics: Sequence[Metric], found: Sequence[Result]) -> list[tup
         values = {one.part: {0: one.number(f"{protocol}.ceiling_{name}")} for one in own}
         known = {part: {0: value[0]} for part, value in values.items() if value[0] is not None}
         parts = max(parts, len(known))
-        cells.append(mean_cell(summary(known, metric), metric, "") if known else Cell(""))
+        one = summary(known, metric)
+        cells.append(Cell("") if one is None else Cell(spread(one, metric), one.mean))
     return [(*cells, Cell(str(parts), float(parts)))] if parts else []
 
 
@@ -136,7 +159,7 @@ def marked(losses: Sequence[float | None]) -> list[str]:
 
 def extremes(found: Sequence[Result], names: Sequence[str]) -> Table:
     """Median and worst part of every metric."""
-    metrics = [one for one in METRICS if any(one.key in result.values for result in found)]
+    metrics = present(METRICS, found)
     rows = []
     for name in names:
         cells = [Cell(name)]
@@ -151,7 +174,7 @@ def extremes(found: Sequence[Result], names: Sequence[str]) -> Table:
 
 def differences(found: Sequence[Result], names: Sequence[str], baseline: str) -> Table:
     """Every contender against the baseline, part by part."""
-    metrics = [one for one in PAIRED if any(one.key in result.values for result in found)]
+    metrics = present(PAIRED, found)
     against = {metric: figures_of(found, baseline, metric.key) for metric in metrics}
     rows = []
     for name in names:
@@ -190,7 +213,7 @@ def costs(found: Sequence[Result], names: Sequence[str]) -> Table:
                 one.fit[key] for one in found if one.contender == name and one.good and key in one.fit
             )
             cells += [number(own[len(own) // 2]), number(own[-1])] if own else [Cell("none")] * 2
-        failed = sum(one.contender == name and not one.good for one in found)
+        failed = sum(one.contender == name and one.failed for one in found)
         rows.append((*cells, Cell(str(failed), float(failed))))
     caption = (
         "From points in memory to the mesh, wall clock and processor time of the process; whatever else the "
@@ -239,7 +262,7 @@ def troubles(found: Sequence[Result]) -> Table:
     rows: dict[tuple[Cell, ...], None] = {}
     for one in found:
         part, fit = Cell(one.part), (Cell(one.contender), Cell(str(one.seed), float(one.seed)))
-        if one.error:
+        if one.failed:
             rows[(part, *fit, Cell("failed: " + one.error))] = None
         for flag in one.flags:
             of_truth = flag.startswith("truth-")

@@ -54,6 +54,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise OptionError(f"--baseline {arguments.baseline} takes no part; choose one of {known}.")
     baseline = arguments.baseline or contenders[0].name
     made = campaign.carried_out(arguments, arguments.data, contenders, arguments.out, baseline)
-    sys.stdout.write("\n".join(plain(table) for table in made[:2]))
-    sys.stdout.write(f"\nAll tables: {arguments.out / 'tables.md'}\n")
+    sys.stdout.write("".join(plain(table) for table in made[:1]))
+    sys.stdout.write(f"Spread, differences and all else: {arguments.out / 'tables.md'}\n")
     return 0

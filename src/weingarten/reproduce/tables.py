@@ -7,8 +7,8 @@ from weingarten.bench.contender import Contender
 from weingarten.bench.lineup import NONE, OWN, POISSON, lineup
 from weingarten.bench.metric import PUBLISHED_METRICS, Metric
 from weingarten.bench.results import Result
-from weingarten.bench.statistics import figures_of, summary
-from weingarten.bench.table import Cell, Table, ceiling_rows, marked
+from weingarten.bench.statistics import Summary
+from weingarten.bench.table import Cell, Table, ceiling_rows, marked_cells
 from weingarten.reproduce.published import PUBLISHED_ROWS
 from weingarten.reproduce.thin_parts import thin_parts
 from weingarten.settings import Settings
@@ -73,16 +73,12 @@ def paper_table(
     title: str, found: Sequence[Result], rows: dict[str, str], published: dict[str, str]
 ) -> Table:
     """rows: contender by the row's name. published: the paper's schedule by the row's name."""
-    losses = {metric: [loss(found, name, metric) for name in rows.values()] for metric in PUBLISHED_METRICS}
-    marks = {metric: marked(own) for metric, own in losses.items()}
+    own = marked_cells(found, list(rows.values()), PUBLISHED_METRICS, as_in_the_paper)
     made = []
-    for index, (row, name) in enumerate(rows.items()):
+    for row, name in rows.items():
         cells = [Cell(row)]
-        for metric in PUBLISHED_METRICS:
-            cells += [
-                paper_cell(published.get(row), metric),
-                own_cell(found, name, metric, marks[metric][index]),
-            ]
+        for metric, cell in zip(PUBLISHED_METRICS, own[name], strict=True):
+            cells += [paper_cell(published.get(row), metric), cell]
         cells += [paper_seconds(published.get(row)), own_seconds(found, name)]
         made.append((*cells, Cell(str(sum(one.contender == name for one in found)))))
     pairs = [(f"{metric.heading}, paper", "here") for metric in PUBLISHED_METRICS]
@@ -90,19 +86,9 @@ def paper_table(
     return Table(title, CAPTION, columns, (*made, *ceilings(found)))
 
 
-def loss(found: Sequence[Result], name: str, metric: Metric) -> float | None:
-    """Of a contender's mean; None without one."""
-    own = summary(figures_of(found, name, metric.key), metric)
-    return None if own is None else metric.loss(own.mean)
-
-
-def own_cell(found: Sequence[Result], name: str, metric: Metric, mark: str) -> Cell:
-    """mean (deviation), with the digits of the paper."""
-    own = summary(figures_of(found, name, metric.key), metric)
-    if own is None:
-        return Cell("none")
-    mean, deviation = own.mean * metric.factor, (own.deviation or 0.0) * metric.factor
-    return Cell(f"{mean:.2f} ({deviation:.2f})", own.mean, mark)
+def as_in_the_paper(own: Summary, metric: Metric) -> str:
+    """mean (deviation), two digits each."""
+    return f"{own.mean * metric.factor:.2f} ({(own.deviation or 0.0) * metric.factor:.2f})"
 
 
 def paper_cell(schedule: str | None, metric: Metric) -> Cell:
