@@ -7,7 +7,11 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from importlib.util import find_spec
 from platform import platform, python_version
 
-EXTRAS = {"3mf": ("lxml", "networkx")}
+EXTRAS = {
+    "3mf": ("lxml", "networkx"),
+    "bench": ("gpytoolbox",),
+    "report": ("jinja2", "matplotlib", "fast_simplification"),
+}
 """Optional parts and the modules they need."""
 
 

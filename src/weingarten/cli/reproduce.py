@@ -1,4 +1,4 @@
-"""`weingarten reproduce`: the tables and figures of arXiv 2511.03147, made anew."""
+"""`weingarten reproduce`: the tables of arXiv 2511.03147, made anew."""
 
 import argparse
 import importlib.util
@@ -17,11 +17,9 @@ examples:
   weingarten reproduce tables --data parts/
   weingarten reproduce tables --data parts/ --weight 3
   weingarten reproduce tables --data parts/ --preset paper --parts a,b --points-per-step 2000 --seeds 1
-  weingarten reproduce figures --data parts/
 
-tables: every schedule on every part, seed after seed; the same command goes on after an interruption, and
-DIR/paper-tables.md, results.csv and tables.md are written in any case. figures: PNG and SVG, into
-DIR/figures; the qualitative one needs the fits of the tables and comes with them.
+Every schedule on every part, seed after seed; the same command goes on after an interruption, and
+DIR/paper-tables.md, results.csv and tables.md are written in any case. `weingarten report DIR` makes a page.
 """
 
 
@@ -29,12 +27,12 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     """Add the verb to the subparsers."""
     verb = verbs.add_parser(
         "reproduce",
-        help="the paper's tables and figures, made anew",
-        description="Make the tables or the figures of arXiv 2511.03147 anew, beside the published ones.",
+        help="the paper's tables, made anew",
+        description="Make the tables of arXiv 2511.03147 anew, beside the published ones.",
         formatter_class=formatter,
         epilog=EXAMPLE,
     )
-    verb.add_argument("what", choices=("tables", "figures"), help="which to make")
+    verb.add_argument("what", choices=("tables",), help="what to make")
     verb.add_argument("--data", type=Path, required=True, metavar="PARTS", help="folder of true meshes")
     verb.add_argument("--out", type=Path, metavar="DIR", help="where all goes (default: reproduced-PRESET)")
     verb.add_argument("--weight", type=float, default=10.0, metavar="W", help="greatest one of a schedule")
@@ -44,7 +42,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Make them. Raises a WeingartenError that names the option or file at fault."""
-    return {"tables": tables, "figures": figures}[arguments.what](arguments)
+    return {"tables": tables}[arguments.what](arguments)
 
 
 def tables(arguments: argparse.Namespace) -> int:
@@ -87,8 +85,3 @@ def write(made: "list[Table]", path: Path) -> None:
         with replacing(path) as temporary:
             text = "# arXiv 2511.03147, Tables 1 and 2\n\n" + "\n".join(map(markdown, made))
             temporary.write_text(text, encoding="utf-8")
-
-
-def figures(arguments: argparse.Namespace) -> int:
-    """Figures 1 to 4."""
-    raise NotImplementedError

@@ -1,9 +1,5 @@
-"""The picture of a result: the points beside the shaded mesh, seen by one camera. No display, no OpenGL.
+"""The picture of a result: the points beside the shaded mesh, seen by one camera. No display, no OpenGL."""
 
-View frame: x right, y up, z towards the viewer; parallel projection, as in an engineering drawing.
-"""
-
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,60 +9,18 @@ from PIL import Image, ImageDraw, ImageFont
 from weingarten.atomic import check_writable, replacing
 from weingarten.errors import OutputError
 from weingarten.mesh import Mesh
-from weingarten.report.rasteriser import EMPTY, rasterise
-from weingarten.report.shading import corner_normals, shade
+from weingarten.report.camera import SUPERSAMPLING, Camera
+from weingarten.report.panel import Pixels, reduced, seen
 
 Points = Float64[np.ndarray, "n 3"]
-Pixels = Float64[np.ndarray, "height width 3"]
 
 PANEL = 900
 CAPTION = 64
-MARGIN = 0.06
-SUPERSAMPLING = 2
-AZIMUTH, ELEVATION = np.radians(-58.0), np.radians(30.0)
 NEAR_INK, FAR_INK = np.array([0.13, 0.27, 0.45]), np.array([0.80, 0.86, 0.92])
 TEXT = (70, 78, 88)
 FORMATS = (".png", ".jpg", ".jpeg", ".webp")
 BLOCK = 200_000
 """Points drawn at once."""
-
-
-@dataclass(frozen=True)
-class Camera:
-    """A three-quarter view: screen pixel = axes · (p − centre) × scale, y turned down, plus half the panel.
-
-    width, height: of the panel, in supersampled pixels.
-    """
-
-    axes: Float64[np.ndarray, "3 3"]
-    centre: Float64[np.ndarray, " 3"]
-    scale: float
-    width: int
-    height: int
-
-    @classmethod
-    def around(cls, points: Points, panel: int) -> "Camera":
-        """The camera that fits all points into a panel of that width, the lower the flatter they look."""
-        size = panel * SUPERSAMPLING
-        back = np.array(
-            [np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)]
-        )
-        right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
-        axes = np.stack([right, np.cross(back, right), back])
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        view = (points - middle) @ axes.T
-        low, high = view.min(axis=0), view.max(axis=0)
-        across, up = (high - low)[:2]
-        extent = float(max(across, up))
-        scale = size * (1 - 2 * MARGIN) / extent if extent > 0 else 1.0
-        filled = int(np.ceil((scale * up + 2 * MARGIN * size) / SUPERSAMPLING)) * SUPERSAMPLING
-        height = min(size, max(filled, size // 3))
-        return cls(axes, middle + axes.T @ ((low + high) / 2), scale, size, height)
-
-    def to_screen(self, points: Float64[np.ndarray, "*any 3"]) -> Float64[np.ndarray, "*any 3"]:
-        """World positions to pixels right and down, and depth towards the viewer in pixels."""
-        view = (points - self.centre) @ self.axes.T * (self.scale * np.array([1.0, -1.0, 1.0]))
-        return view + np.array([self.width / 2, self.height / 2, 0.0])
 
 
 def picture(
@@ -85,8 +39,8 @@ def picture(
     camera = Camera.around(everything, panel)
     height = camera.height // SUPERSAMPLING
     sheet = Image.new("RGB", (2 * panel, height + CAPTION), "white")
-    sheet.paste(_reduced(_drawn_points(points, camera)), (0, 0))
-    sheet.paste(_reduced(_drawn_mesh(mesh, camera)), (panel, 0))
+    sheet.paste(reduced(_drawn_points(points, camera)), (0, 0))
+    sheet.paste(reduced(seen(mesh, camera).shaded()), (panel, 0))
     counts = (f"{len(points):,} points", f"{len(mesh.faces):,} triangles")
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(size=22)
     for side, (name, count) in enumerate(zip(names, counts, strict=True)):
@@ -134,58 +88,3 @@ def _drawn_points(points: Points, camera: Camera) -> Pixels:
     fading = near[order[foremost[hit]], None] ** 1.3
     image.reshape(-1, 3)[hit] = FAR_INK + (NEAR_INK - FAR_INK) * fading
     return image
-
-
-def _drawn_mesh(mesh: Mesh, camera: Camera) -> Pixels:
-    """The shaded surface, with a thin line where depth jumps or the surface creases."""
-    image = np.ones((camera.height, camera.width, 3))
-    screen = camera.to_screen(mesh.corners)
-    raster = rasterise(screen, camera.height, camera.width)
-    hit = raster.face != EMPTY
-    normals = np.zeros_like(image)
-    rows, columns = np.nonzero(hit)
-    face = raster.face[hit]
-    weights = _barycentric(screen[face], np.stack([columns, rows], axis=1) + 0.5)
-    normal = np.einsum("nk,nki->ni", weights, corner_normals(mesh)[face]) @ camera.axes.T
-    normals[hit] = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    image[hit] = np.clip(shade(normals[hit]), 0.0, 1.0)
-    return image * (1 - 0.45 * _lines(raster.depth, normals)[:, :, None])
-
-
-def _barycentric(
-    corners: Float64[np.ndarray, "n 3 3"], position: Float64[np.ndarray, "n 2"]
-) -> Float64[np.ndarray, "n 3"]:
-    a, b, c = corners[:, 0, :2], corners[:, 1, :2], corners[:, 2, :2]
-    one, two, to = b - a, c - a, position - a
-    area = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
-    area = np.where(np.abs(area) < 1e-12, 1.0, area)
-    u = (to[:, 0] * two[:, 1] - to[:, 1] * two[:, 0]) / area
-    v = (one[:, 0] * to[:, 1] - one[:, 1] * to[:, 0]) / area
-    weights = np.clip(np.stack([1 - u - v, u, v], axis=1), 0.0, 1.0)
-    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-12)
-
-
-def _lines(
-    depth: Float64[np.ndarray, "height width"], normals: Pixels
-) -> Float64[np.ndarray, "height width"]:
-    """1 on the nearer side of a depth jump, less on a crease, 0 elsewhere."""
-    strength = np.zeros(depth.shape)
-    facing = np.maximum(np.abs(normals[:, :, 2]), 0.15)
-    allowed = 4.0 / facing + 0.01 * depth.shape[1]
-    solid = np.isfinite(depth)
-    for axis, shift in ((0, 1), (0, -1), (1, 1), (1, -1)):
-        other = np.roll(depth, shift, axis=axis)
-        with np.errstate(invalid="ignore"):
-            jump = solid & (depth - other > allowed)
-        turn = np.einsum("hwi,hwi->hw", normals, np.roll(normals, shift, axis=axis))
-        crease = solid & np.isfinite(other) & (turn < 0.8) & ~jump
-        strength = np.maximum(strength, np.where(jump, 1.0, np.where(crease, 0.45, 0.0)))
-    return strength
-
-
-def _reduced(image: Pixels) -> Image.Image:
-    """Supersampled values to one 8-bit panel: the mean of each block."""
-    k = SUPERSAMPLING
-    height, width, _ = image.shape
-    mean = image.reshape(height // k, k, width // k, k, 3).mean(axis=(1, 3))
-    return Image.fromarray(np.round(255 * np.clip(mean, 0.0, 1.0)).astype(np.uint8))

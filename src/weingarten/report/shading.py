@@ -49,17 +49,27 @@ def _angles(mesh: Mesh) -> Float64[np.ndarray, "f 3"]:
 def shade(normals: Directions) -> Directions:
     """Display colour, each channel 0 to about 1, of a matt surface from unit normals in the view frame.
 
-    Σ lights max(0, n·l) + ambient, and a soft sheen (n·h)⁴⁰ about the key's half vector. A normal that looks
-    away from the viewer shows the inside of the surface and gets the other colour.
+    Brightness, and a soft sheen (n·h)⁴⁰ about the key's half vector. A normal that looks away from the viewer
+    shows the inside of the surface and gets the other colour.
     """
-    inside = normals[..., 2:] < 0
-    facing = np.where(inside, -normals, normals)
+    facing = _facing(normals)
+    half = _unit(_unit(LIGHTS[0][0]) + np.array([0.0, 0.0, 1.0]))
+    sheen = SHEEN * np.maximum(0.0, facing @ half) ** 40
+    light = brightness(normals)
+    return np.where(normals[..., 2:] < 0, BACK, FRONT) * light[..., None] + sheen[..., None]
+
+
+def brightness(normals: Directions) -> Float64[np.ndarray, "*any"]:
+    """Σ lights max(0, n·l) + ambient, n turned to the viewer, from unit normals in the view frame."""
+    facing = _facing(normals)
     light = np.full(facing.shape[:-1], AMBIENT)
     for direction, power in LIGHTS:
         light += power * np.maximum(0.0, facing @ _unit(direction))
-    half = _unit(_unit(LIGHTS[0][0]) + np.array([0.0, 0.0, 1.0]))
-    sheen = SHEEN * np.maximum(0.0, facing @ half) ** 40
-    return np.where(inside, BACK, FRONT) * light[..., None] + sheen[..., None]
+    return light
+
+
+def _facing(normals: Directions) -> Directions:
+    return np.where(normals[..., 2:] < 0, -normals, normals)
 
 
 def _unit(vector: tuple[float, float, float] | Float64[np.ndarray, " 3"]) -> Float64[np.ndarray, " 3"]:

@@ -98,7 +98,7 @@ SCHEDULES: dict[str, Schedule] = {
     "increasing": Schedule("linear", INCREASING),
     "none": constant(0.0),
 }
-"""The paper's schedules of the ODW weight under their names (Tables 1 and 2), and that of a fit without it."""
+"""The paper's schedules of the ODW weight by name (Tables 1 and 2), and that of a fit without it."""
 
 
 def parse_knots(text: str) -> Knots:

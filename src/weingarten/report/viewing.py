@@ -1,0 +1,71 @@
+"""What the view in 3D is told: every part's scenes, colours and light, as plain values for JSON."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from weingarten.report import panel, shading
+from weingarten.report.camera import AZIMUTH, ELEVATION
+from weingarten.report.gallery import Card, PartView
+from weingarten.report.heat import colour_map
+from weingarten.report.scene import Scene
+
+
+def viewing(views: Sequence[PartView]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
+    """Settings of the view, and the packed scenes by the id of the element that holds them."""
+    scenes: list[tuple[str, str]] = []
+    parts = [part_settings(number, view, scenes) for number, view in enumerate(views)]
+    lights = []
+    for direction, power in shading.LIGHTS:
+        unit = np.asarray(direction) / np.linalg.norm(direction)
+        lights.append([*(round(float(value), 5) for value in unit), power])
+    settings = {
+        "parts": parts,
+        "azimuth": round(float(np.degrees(AZIMUTH)), 6),
+        "elevation": round(float(np.degrees(ELEVATION)), 6),
+        "colours": colour_map().reshape(-1).tolist(),
+        "crease": round(float(shading.CREASE), 6),
+        "light": {
+            "lights": lights,
+            "ambient": shading.AMBIENT,
+            "sheen": shading.SHEEN,
+            "front": shading.FRONT,
+            "back": shading.BACK,
+            "shade": panel.SHADE,
+            "tint": panel.TINT,
+        },
+    }
+    return settings, scenes
+
+
+def part_settings(number: int, view: PartView, scenes: list[tuple[str, str]]) -> dict[str, Any]:
+    """Of one part; its scenes are added to the list."""
+    return {
+        "name": view.name,
+        "target": [round(value, 6) for value in view.target],
+        "extent": round(view.extent, 6),
+        "unit": "" if view.scale is None else view.scale.unit,
+        "ticks": [] if view.scale is None else [list(tick) for tick in view.scale.ticks()],
+        "truth": None
+        if view.truth is None
+        else scene_settings(f"scene-{number}-truth", view.truth.scene, scenes),
+        "meshes": [mesh_settings(f"scene-{number}-{k}", card, scenes) for k, card in enumerate(view.cards)],
+    }
+
+
+def mesh_settings(key: str, card: Card, scenes: list[tuple[str, str]]) -> dict[str, Any]:
+    """Of one contender's mesh. missed: where the levels of the truth's vertices are, if anywhere."""
+    found: dict[str, Any] = {"name": card.contender, "scene": None, "missed": None}
+    if card.scene is not None:
+        found["scene"] = scene_settings(key, card.scene, scenes)
+    if card.missed_levels is not None:
+        found["missed"] = f"{key}-missed"
+        scenes.append((f"{key}-missed", card.missed_levels))
+    return found
+
+
+def scene_settings(key: str, scene: Scene, scenes: list[tuple[str, str]]) -> dict[str, Any]:
+    """Where a scene is and how it is unpacked."""
+    scenes.append((key, scene.data))
+    return {"id": key, "vertices": scene.vertices, "faces": scene.faces, "low": scene.low, "step": scene.step}
