@@ -32,8 +32,8 @@ def gradient(values: Tensor, x: Tensor) -> Tensor:
 
 def schedule(name: str, t: float) -> float:
     """λ_ODW(t)."""
-    if name == "constant":
-        return 10.0
+    if name in ("constant", "none"):
+        return {"constant": 10.0, "none": 0.0}[name]
     knots = RISING if name == "increasing" else KNOTS
     for (start, weight), (end, target) in itertools.pairwise(knots):
         if start <= t < end:
