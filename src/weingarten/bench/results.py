@@ -95,7 +95,7 @@ def write_results(store: Store, found: Sequence[Result]) -> tuple[Path, Path]:
     keys = list(dict.fromkeys(key for one in found for key in one.values))
     head = ["part", "contender", "seed", "error", "flags", "seconds", "cpu_seconds", "commit", "date"]
     with replacing(rows) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
+        writer = csv.writer(stream, lineterminator="\n")
         writer.writerow([*head, *keys])
         for one in found:
             own = [one.part, one.contender, one.seed, one.error, " ".join(one.flags)]
