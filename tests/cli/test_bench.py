@@ -1,4 +1,4 @@
-"""`weingarten bench` and `weingarten reproduce tables` as subprocesses, on small parts and few steps."""
+"""`weingarten bench` and `weingarten reproduce` as subprocesses, on small parts and few steps."""
 
 import csv
 import json
@@ -100,7 +100,7 @@ def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[
     assert not (tmp_path / "out").exists()
 
 
-def test_the_papers_tables(tmp_path: Path, data: Path):
+def test_the_papers_tables_and_figures(tmp_path: Path, data: Path):
     out = tmp_path / "out"
     words = ("reproduce", "tables", "--data", data, "--out", out, "--parts", "block", "--seeds", "1", *SHORT)
     code, text, errors = run(*words)
@@ -116,3 +116,26 @@ def test_the_papers_tables(tmp_path: Path, data: Path):
     code, _, errors = run(*words)
     assert code == 0
     assert f"{len(found)} of them done before" in errors
+    code, text, errors = run("reproduce", "figures", *words[2:8], *SHORT)
+    assert code == 0, errors
+    assert f"{len(found) - 1} of them done before" in errors
+    made = sorted(path.name for path in (out / "figures").iterdir())
+    names = ("1-curvature-regimes", "2-schedules", "3-comparison", "4-schedules")
+    assert made == [f"figure-{name}.{form}" for name in names for form in ("png", "svg")]
+    assert all(f"{out}/figures/{name}" in text for name in made)
+
+
+def test_figures_without_parts_and_with_wrong_ones(tmp_path: Path, data: Path):
+    out = tmp_path / "out"
+    code, _, errors = run("reproduce", "figures", "--out", out)
+    assert code == 0
+    assert "Figure 3" in errors
+    assert len(list((out / "figures").iterdir())) == 6
+    code, _, errors = run("reproduce", "figures", "--out", tmp_path / "b", "--data", tmp_path / "nowhere")
+    assert code == 2
+    assert len(errors.strip().splitlines()) == 1
+    assert not (tmp_path / "b").exists()
+    (tmp_path / "c").write_text("")
+    code, _, errors = run("reproduce", "figures", "--out", tmp_path / "c")
+    assert code == 2
+    assert "cannot be made" in errors

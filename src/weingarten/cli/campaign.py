@@ -17,6 +17,15 @@ if TYPE_CHECKING:
 
 def add_options(verb: argparse.ArgumentParser, seeds: int) -> None:
     """What every benchmark can be told. seeds: how many, by default."""
+    add_fitting(verb)
+    verb.add_argument(
+        "--seeds", type=int, default=seeds, metavar="K", help="fits of each kind, seeds 0 to K-1"
+    )
+    verb.add_argument("--shard", default="1/1", metavar="I/N", help="only the I-th of N shares of the fits")
+
+
+def add_fitting(verb: argparse.ArgumentParser) -> None:
+    """How each fit is made. What calls this sets `seeds` and `shard` some other way."""
     verb.add_argument("--parts", metavar="A,B", help="only these parts")
     verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
     verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
@@ -24,12 +33,8 @@ def add_options(verb: argparse.ArgumentParser, seeds: int) -> None:
     verb.add_argument(
         "--resolution", type=int, metavar="N", help="cells along the longest side (default: preset's)"
     )
-    verb.add_argument(
-        "--seeds", type=int, default=seeds, metavar="K", help="fits of each kind, seeds 0 to K-1"
-    )
     verb.add_argument("--points", type=int, default=30_000, metavar="N", help="points of each sampled scan")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
-    verb.add_argument("--shard", default="1/1", metavar="I/N", help="only the I-th of N shares of the fits")
     verb.add_argument(
         "--together", type=int, default=1, metavar="N", help="parts fitted at once as one ensemble, for GPUs"
     )

@@ -143,8 +143,9 @@ def _drawn(rows: Sequence[Row], headings: Sequence[str], scale: Scale) -> "Figur
                 axes.text(0.5, 0.5, "no mesh", ha="center", va="center", color=style.MUTED)
             else:
                 axes.imshow(np.asarray(image), aspect="auto")
-            text = {"ha": "center", "va": "top", "size": style.SMALL}
-            figure.text((left + side / 2) / style.WIDTH, (top - 0.015) / height, line, **text)
+            where, align = (left + side / 2, "center") if column else (0.0, "left")
+            text = {"ha": align, "va": "top", "size": style.SMALL}
+            figure.text(where / style.WIDTH, (top - 0.015) / height, line, **text)
         top -= BENEATH
     _add_scale(figure, scale)
     return figure
