@@ -99,8 +99,9 @@ def _is_flat(mesh: Mesh, shape: Topology) -> bool:
 
 
 def _faces_without_height(mesh: Mesh) -> int:
-    corners = mesh.corners
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    a, b, c = mesh.corners.transpose(1, 0, 2)
+    squares = [np.einsum("fi,fi->f", side, side) for side in (b - a, c - b, a - c)]
+    longest = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
     return int((2 * mesh.areas <= NO_HEIGHT * cube_frame(mesh).scale * longest).sum())
 
 

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from weingarten.io.coincident import coincident
 from weingarten.mesh import Mesh
+from weingarten.metrics.unit_cube import used_box
 
 Faces = Int64[np.ndarray, "f 3"]
 
@@ -61,9 +62,8 @@ def volume(mesh: Mesh) -> float:
     """⅙ Σ a · (b × c) over the faces (divergence theorem), corners taken from the centre of their box."""
     if not len(mesh.faces):
         return 0.0
-    corners = mesh.corners
-    flat = corners.reshape(-1, 3)
-    a, b, c = (corners - (flat.min(axis=0) + flat.max(axis=0)) / 2).transpose(1, 0, 2)
+    lowest, highest = used_box(mesh)
+    a, b, c = (mesh.corners - (lowest + highest) / 2).transpose(1, 0, 2)
     return float(np.einsum("fi,fi->", a, np.cross(b, c)) / 6)
 
 

@@ -9,8 +9,10 @@ from weingarten.mesh import Mesh
 
 def used_box(mesh: Mesh) -> Float64[np.ndarray, "2 3"]:
     """Lowest and highest corner of the box of the vertices which faces use; there is at least one face."""
-    corners = mesh.corners.reshape(-1, 3)
-    return np.stack([corners.min(axis=0), corners.max(axis=0)])
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    used[mesh.faces] = True
+    x, y, z = mesh.vertices.T
+    return np.array([[axis.min(), axis.max()] for axis in (x[used], y[used], z[used])]).T
 
 
 def cube_frame(mesh: Mesh) -> Frame:
