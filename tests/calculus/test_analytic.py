@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, TENSORS, VALUE
 from weingarten.fields.siren import Siren
 
-ORDERS = (VALUE, GRADIENT, TANGENT)
-OUTPUTS = {VALUE: 1, GRADIENT: 2, TANGENT: 5}
+ORDERS = (VALUE, GRADIENT, TANGENT, HESSIAN)
 
 
 def siren(width=32, depth=5, frequency=30.0, seed=0):
@@ -28,7 +27,11 @@ def draw(count, seed=0):
 
 
 def outputs(jet, order):
-    return (jet.value, jet.gradient, jet.uu, jet.uv, jet.vv)[: OUTPUTS[order]]
+    return every(jet)[: TENSORS[order]]
+
+
+def every(jet):
+    return jet.value, jet.gradient, jet.uu, jet.uv, jet.vv, jet.un, jet.vn, jet.nn
 
 
 def loss(jet, order, used, seed=0):
@@ -38,9 +41,8 @@ def loss(jet, order, used, seed=0):
     for wanted, output in zip(used, outputs(jet, order), strict=True):
         coefficients = torch.randn(output.shape, dtype=torch.float64, generator=generator).to(output.dtype)
         if wanted:
-            total = (
-                total + (coefficients * (output + 0.1 * output * output / output.detach().abs().mean())).sum()
-            )
+            scale = output.detach().abs().mean().clamp_min(1e-3)
+            total = total + (coefficients * (output + 0.1 * output * output / scale)).sum()
     return total
 
 
@@ -69,14 +71,13 @@ def test_jets_are_those_of_autograd(order, depth, frequency):
 def test_what_was_not_asked_for_is_none_and_angles_default_to_zero(order):
     field, (points, _) = siren(), draw(7)
     jet = Analytic(field)(points, order)
-    every = (jet.value, jet.gradient, jet.uu, jet.uv, jet.vv)
-    assert all(x is None for x in every[OUTPUTS[order] :])
+    assert all(x is None for x in every(jet)[TENSORS[order] :])
     assert_near(outputs(jet, order), outputs(Autodiff(field)(points, order), order), 1e-10)
 
 
 @given(
     order=st.sampled_from(ORDERS),
-    used=st.tuples(*[st.booleans()] * 5),
+    used=st.tuples(*[st.booleans()] * 8),
     width=st.integers(1, 40),
     depth=st.integers(1, 5),
     count=st.integers(1, 60),
@@ -84,7 +85,7 @@ def test_what_was_not_asked_for_is_none_and_angles_default_to_zero(order):
 )
 @settings(max_examples=60, deadline=None)
 def test_weight_gradients_of_any_loss(order, used, width, depth, count, seed):
-    used = (used[0] or not any(used[: OUTPUTS[order]]), *used[1:])[: OUTPUTS[order]]
+    used = (used[0] or not any(used[: TENSORS[order]]), *used[1:])[: TENSORS[order]]
     field, (points, angles) = siren(width, depth, 15.0, seed), draw(count, seed)
     found = weight_gradients(field, loss(Analytic(field)(points, order, angles), order, used))
     expected = weight_gradients(field, loss(Autodiff(field)(points, order, angles), order, used))
@@ -103,6 +104,17 @@ def test_every_choice_of_cotangents(used):
         assert (one - other).abs().max() <= 1e-9 * scale
 
 
+@pytest.mark.parametrize("used", range(2, 8))
+def test_every_cotangent_of_the_hessian_alone(used):
+    used = tuple(index == used for index in range(8))
+    field, (points, angles) = siren(16, 3), draw(30)
+    found = weight_gradients(field, loss(Analytic(field)(points, HESSIAN, angles), HESSIAN, used))
+    expected = weight_gradients(field, loss(Autodiff(field)(points, HESSIAN, angles), HESSIAN, used))
+    scale = max(gradient.abs().max() for gradient in expected)
+    for one, other in zip(found, expected, strict=True):
+        assert (one - other).abs().max() <= 1e-9 * scale
+
+
 @pytest.mark.parametrize("order", ORDERS)
 def test_float32_agrees_with_float64(order):
     field, (points, angles) = siren(256), draw(500)
@@ -110,7 +122,7 @@ def test_float32_agrees_with_float64(order):
     single = Siren(256, 5)
     single.load_state_dict(field.state_dict())
     field.load_state_dict(single.state_dict())
-    used = (True,) * OUTPUTS[order]
+    used = (True,) * TENSORS[order]
     fine, coarse = (
         Analytic(field)(points, order, angles),
         Analytic(single)(points.float(), order, angles.float()),

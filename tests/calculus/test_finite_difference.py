@@ -6,8 +6,8 @@ import torch
 from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.exact import Cone, Cylinder, Plane, Sphere, Torus
-from weingarten.calculus.finite_difference import FiniteDifference
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
+from weingarten.calculus.finite_difference import CROSS, DIAGONAL, FiniteDifference
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE
 from weingarten.fields.siren import Siren
 
 AXIS = (1.0, 2.0, -2.0)
@@ -42,10 +42,11 @@ def draw(count=300, seed=0, dtype=torch.float64):
     return points, 6.3 * torch.rand(count, dtype=dtype, generator=generator)
 
 
-def error(inner, h, points, angles):
-    """Sum of the errors of uu, uv, vv, relative to the sum of the exact values."""
-    exact, found = inner(points, TANGENT, angles), FiniteDifference(inner, h)(points, TANGENT, angles)
-    pairs = [(exact.uu, found.uu), (exact.uv, found.uv), (exact.vv, found.vv)]
+def error(inner, h, points, angles, order=TANGENT, stencil=DIAGONAL):
+    """Sum of the errors of the second derivatives, relative to the sum of the exact values."""
+    exact = inner(points, order, angles)
+    found = FiniteDifference(inner, h, stencil)(points, order, angles)
+    pairs = list(zip(exact.tensors[2:], found.tensors[2:], strict=True))
     return float((sum((b - a).abs().sum() for a, b in pairs) / sum(a.abs().sum() for a, _ in pairs)).detach())
 
 
@@ -58,10 +59,13 @@ FIELDS = {
 }
 
 
+@pytest.mark.parametrize("stencil", [DIAGONAL, CROSS], ids=["diagonal", "cross"])
+@pytest.mark.parametrize("order", [TANGENT, HESSIAN])
 @pytest.mark.parametrize("name", FIELDS)
-def test_the_error_falls_as_the_square_of_h(name):
+def test_the_error_falls_as_the_square_of_h(name, order, stencil):
     points, angles = draw()
-    coarse, fine = (error(Autodiff(FIELDS[name]), h, points, angles) for h in (0.02, 0.005))
+    inner = Autodiff(FIELDS[name])
+    coarse, fine = (error(inner, h, points, angles, order, stencil) for h in (0.02, 0.005))
     slope = torch.log(torch.tensor(coarse / fine)) / torch.log(torch.tensor(4.0))
     assert float(slope) == pytest.approx(2.0, abs=0.05)
     assert fine < 1e-3
@@ -75,7 +79,8 @@ def test_a_quadratic_is_exact():
             a = points.new_tensor([[2.0, 0.5, 0.1], [0.5, -1.0, 0.3], [0.1, 0.3, 0.7]])
             return 0.5 * (points @ a * points).sum(-1) + points @ points.new_tensor([1.0, 2.0, -1.0])
 
-    assert error(Autodiff(Quadratic()), 0.05, *draw()) < 1e-11
+    for stencil in (DIAGONAL, CROSS):
+        assert error(Autodiff(Quadratic()), 0.05, *draw(), HESSIAN, stencil) < 1e-11
 
 
 def test_a_plane_has_no_curvature():
@@ -96,11 +101,15 @@ def test_how_far_off_the_authors_step_is_on_an_untrained_siren(h, mean_error, lo
     assert float(found.abs().mean() / exact.abs().mean()) == pytest.approx(loss_ratio, abs=0.05)
 
 
-def test_six_evaluations_beside_the_gradient():
+@pytest.mark.parametrize(
+    ("stencil", "order", "evaluations"),
+    [(DIAGONAL, TANGENT, 6), (CROSS, TANGENT, 8), (DIAGONAL, HESSIAN, 12), (CROSS, HESSIAN, 18)],
+)
+def test_evaluations_beside_the_gradient(stencil, order, evaluations):
     counting = Counting(Autodiff(FIELDS["siren"]))
     points, angles = draw(10)
-    FiniteDifference(counting)(points, TANGENT, angles)
-    assert counting.calls == [(10, GRADIENT), (60, VALUE)]
+    FiniteDifference(counting, stencil=stencil)(points, order, angles)
+    assert counting.calls == [(10, GRADIENT), (10 * evaluations, VALUE)]
 
 
 @pytest.mark.parametrize("order", [VALUE, GRADIENT])

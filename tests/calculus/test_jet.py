@@ -6,8 +6,8 @@ import pytest
 import torch
 
 from weingarten.calculus.autodiff import Autodiff
-from weingarten.calculus.exact import Sphere
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Jet, tangent_frame
+from weingarten.calculus.exact import Sphere, Torus
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE, Jet, tangent_frame, unit_normal
 
 AXES = torch.cat([torch.eye(3), -torch.eye(3)]).double()
 NEARLY_DOWN = torch.tensor([[1e-9, -1e-9, -1.0], [1e-5, 0.0, -1.0], [0.0, -0.0, -2e-3]]).double()
@@ -63,12 +63,32 @@ def test_shape_operator_of_a_sphere_is_the_curvature_times_identity(generator):
     assert s12.abs().max() < 1e-14
 
 
+def test_the_hessian_in_the_frame_is_that_of_the_axes(generator):
+    """(u v n)ᵀ H (u v n) against H by autograd's jacobian, one point after another; of a torus Hn = 0."""
+    shape = Torus((0.1, 0.0, 0.0), (1.0, 2.0, -2.0), 0.6, 0.2)
+
+    def bent(points):
+        return shape(points) + 0.3 * shape(points).square()
+
+    at = 2 * torch.rand(20, 3, dtype=torch.float64, generator=generator) - 1
+    angles = torch.rand(20, dtype=torch.float64, generator=generator)
+    jet = Autodiff(Module(bent))(at, HESSIAN, angles)
+    u, v = tangent_frame(jet.slope, angles)
+    frame = torch.stack([u, v, unit_normal(jet.slope)], dim=-1)
+    slow = torch.stack([torch.autograd.functional.hessian(lambda x: bent(x[None])[0], x) for x in at])
+    torch.testing.assert_close(jet.hessian, frame.mT @ slow @ frame)
+    normal = Autodiff(Module(shape))(at, HESSIAN, angles)
+    assert torch.stack([normal.un, normal.vn, normal.nn]).abs().max() < 1e-9
+
+
 @pytest.mark.parametrize("order", [VALUE, GRADIENT])
 def test_a_jet_says_what_it_lacks(order):
     at = torch.ones(1, 3)
     jet = Autodiff(Module(Sphere()))(at, order)
     with pytest.raises(ValueError, match="order TANGENT"):
         _ = jet.shape_operator
+    with pytest.raises(ValueError, match="order HESSIAN"):
+        _ = jet.hessian
     if order == VALUE:
         with pytest.raises(ValueError, match="order GRADIENT"):
             _ = jet.slope

@@ -1,21 +1,21 @@
-"""Exact jets of SIRENs by one forward, one reverse and two tangent streams, with a hand-written backward.
+"""Exact jets of SIRENs by one forward, one reverse and a few tangent streams, with a hand-written backward.
 
 Method §3. Layer l = 0 … L−1 of a SIREN, with ω folded into V = ωW and c = ωb:
 
     z_l = V_l a_{l−1} + c_l,   a_l = sin z_l,   f = w·a_{L−1} + b
     λ_{L−1} = w,   δ_l = λ_l cos z_l,   λ_{l−1} = V_lᵀ δ_l,   ∇f = V_0ᵀ δ_0        (reverse)
-    t_0 = V_0 d,   p_l = cos z_l · t_l,   t_{l+1} = V_{l+1} p_l                    (tangents, d = u, v)
+    t_0 = V_0 d,   p_l = cos z_l · t_l,   t_{l+1} = V_{l+1} p_l              (tangents, d = u, v and n)
     aᵀ H b = −Σ_l λ_l sin z_l · t_l(a) · t_l(b)
 
 All are ordinary products, so a training step needs one backward pass and no double backward. A bar is a
 cotangent: z̄ = ∂loss/∂z. Every stream gives ∂loss/∂V_l one outer product,
 
-    ∂loss/∂V_l = z̄_l a_{l−1}ᵀ + δ_l λ̄_{l−1}ᵀ + t̄_l(u) p_{l−1}(u)ᵀ + t̄_l(v) p_{l−1}(v)ᵀ.
+    ∂loss/∂V_l = z̄_l a_{l−1}ᵀ + δ_l λ̄_{l−1}ᵀ + Σ_d t̄_l(d) p_{l−1}(d)ᵀ.
 
 A stream is an array (width, n), a column a point: as the formulas above are written, and so that neither
 these products nor those with V and Vᵀ have to copy a transpose of n columns. Of an ensemble of m SIRENs it is
 (m, width, n), V is (m, width, width), and every product is m of them. Arithmetic, in forward passes a point:
-value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8.
+value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8, with the whole Hessian 5 + 10.
 """
 
 from threading import Lock
@@ -26,7 +26,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from weingarten.calculus.buffers import Buffers
-from weingarten.calculus.jet import GRADIENT, TANGENT, Jet, tangent_frame
+from weingarten.calculus.jet import GRADIENT, PAIRS, TANGENT, Jet, directions
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 
@@ -82,7 +82,7 @@ def version(field: nn.Module) -> list[tuple[int, int]]:
 
 
 class _Jet(torch.autograd.Function):
-    """Values, gradients and tangent blocks out; their cotangents in."""
+    """Values, gradients and second derivatives out; their cotangents in."""
 
     @staticmethod
     def forward(
@@ -101,7 +101,7 @@ class _Jet(torch.autograd.Function):
         if order >= GRADIENT:
             outputs.append(tape.reverse())
         if order >= TANGENT:
-            outputs += tape.push(*tangent_frame(outputs[1], angles))
+            outputs += tape.push(directions(outputs[1], angles, order))
         ctx.set_materialize_grads(False)
         if trains:
             ctx.tape = tape
@@ -117,9 +117,9 @@ class _Jet(torch.autograd.Function):
         ctx.tape = None
         # all that follows is linear in the cotangents, so the ω of V = ωW is theirs from the beginning
         scaled = (None if bar is None else tape.frequency * columns(bar) for bar in bars)
-        value, gradient, *block = (*scaled, None, None, None, None)[:5]
+        value, gradient, *block = (*scaled, None)
         if tape.order >= TANGENT:
-            tape.push_backward(*block)
+            tape.push_backward(block)
         if tape.order >= GRADIENT:
             tape.reverse_backward(torch.zeros_like(tape.inputs[0]) if gradient is None else gradient)
         weights, biases = tape.forward_backward(tape.zeros() if value is None else value)
@@ -140,9 +140,9 @@ def rows(columns: Float[Tensor, "*rest n"]) -> Float[Tensor, "n *rest"]:
 class _Tape:
     """One piece's streams, kept from the forward to the backward pass.
 
-    What enters layer l, and so leaves layer l − 1: inputs (a), lambda_bars (λ̄), pushed (p of u and of v).
-    By layer: cos (of z), lambdas (λ), deltas (δ), q = a λ, tangents (t of u and of v), t_bars; the tangent
-    block adds −a w to λ̄; y is all that multiplies −a in z̄.
+    What enters layer l, and so leaves layer l − 1: inputs (a), lambda_bars (λ̄), pushed (p by direction).
+    By layer: cos (of z), lambdas (λ), deltas (δ), q = a λ, tangents (t by direction), t_bars; second
+    derivatives add −a w to λ̄; y is all that multiplies −a in z̄.
     """
 
     def __init__(
@@ -166,9 +166,9 @@ class _Tape:
         self.deltas: list[Tensor] = [self.head] * self.depth
         self.lambda_bars: list[Tensor] = []
         self.q: list[Tensor] = []
-        self.pushed: list[tuple[Tensor, Tensor]] = []
-        self.tangents: list[tuple[Tensor, Tensor]] = []
-        self.t_bars: list[tuple[Tensor, Tensor]] = []
+        self.pushed: list[list[Tensor]] = []
+        self.tangents: list[list[Tensor]] = []
+        self.t_bars: list[list[Tensor]] = []
         self.w: list[Tensor | None] = [None] * self.depth
         self.y: list[Tensor | None] = [None] * self.depth
 
@@ -207,55 +207,67 @@ class _Tape:
                 self.lambdas[layer - 1] = self.Vt[layer] @ self.deltas[layer]
         return rows(self.Vt[0] @ self.deltas[0])
 
-    def push(
-        self, u: Float[Tensor, "n *m 3"], v: Float[Tensor, "n *m 3"]
-    ) -> tuple[Float[Tensor, "n *m"], Float[Tensor, "n *m"], Float[Tensor, "n *m"]]:
-        """uᵀHu, uᵀHv, vᵀHv."""
-        scratch, uu, uv, vv = (self.take() for _ in range(4))
-        for total in (uu, uv, vv):
+    def push(self, frame: tuple[Float[Tensor, "n *m 3"], ...]) -> list[Float[Tensor, "n *m"]]:
+        """aᵀHb for the PAIRS of the frame's directions."""
+        pairs = [pair for pair in PAIRS if max(pair) < len(frame)]
+        scratch, *totals = (self.take() for _ in range(1 + len(pairs)))
+        for total in totals:
             total.zero_()
-        self.pushed.append((columns(u), columns(v)))
+        self.pushed.append([columns(direction) for direction in frame])
         for layer, V in enumerate(self.V):
             q = torch.mul(self.sin(layer), self.lambdas[layer], out=self.take())
-            t_u, t_v = (V @ p for p in self.pushed[layer])
+            tangents = [V @ p for p in self.pushed[layer]]
             self.q.append(q)
-            self.tangents.append((t_u, t_v))
-            torch.mul(q, t_u, out=scratch)
-            uu.addcmul_(scratch, t_u)
-            uv.addcmul_(scratch, t_v)
-            torch.mul(q, t_v, out=scratch)
-            vv.addcmul_(scratch, t_v)
+            self.tangents.append(tangents)
+            for i, tangent in enumerate(tangents):
+                torch.mul(q, tangent, out=scratch)
+                for total, (first, second) in zip(totals, pairs, strict=True):
+                    if first == i:
+                        total.addcmul_(scratch, tangents[second])
             if layer + 1 < self.depth:
-                p_u = torch.mul(self.cos[layer], t_u, out=self.take())
-                p_v = torch.mul(self.cos[layer], t_v, out=self.take())
-                self.pushed.append((p_u, p_v))
-        return rows(-uu.sum(-2)), rows(-uv.sum(-2)), rows(-vv.sum(-2))
+                self.pushed.append([torch.mul(self.cos[layer], t, out=self.take()) for t in tangents])
+        return [rows(-total.sum(-2)) for total in totals]
 
-    def push_backward(self, uu: Tensor | None, uv: Tensor | None, vv: Tensor | None) -> None:
-        """From the tangent block's cotangents to t̄, w and y."""
-        half = (self.zeros() if uv is None else 0.5 * uv).unsqueeze(-2)
-        G_u, G_v, twice = (self.take() for _ in range(3))
-        p_bars: tuple[Tensor, Tensor] | None = None
+    def push_backward(self, block: list[Tensor | None]) -> None:
+        """From the second derivatives' cotangents to t̄, w and y."""
+        count = len(self.tangents[0])
+        twice, *G = (self.take() for _ in range(1 + count))
+        p_bars: list[Tensor] | None = None
         for layer in reversed(range(self.depth)):
-            t_u, t_v = self.tangents[layer]
-            # (G_u, G_v) = (uū t_u + ½ uv̄ t_v, vv̄ t_v + ½ uv̄ t_u): half the derivative of the quadratic form.
-            torch.mul(t_v, half, out=G_u)
-            torch.mul(t_u, half, out=G_v)
-            if uu is not None:
-                G_u.addcmul_(t_u, uu.unsqueeze(-2))
-            if vv is not None:
-                G_v.addcmul_(t_v, vv.unsqueeze(-2))
-            self.w[layer] = torch.mul(t_u, G_u, out=self.take()).addcmul_(t_v, G_v)
+            tangents = self.tangents[layer]
+            self.halves(block, tangents, G)
+            self.w[layer] = self.summed(tangents, G)
             torch.mul(self.q[layer], -2.0, out=twice)
-            t_bars = (torch.mul(twice, G_u, out=self.take()), torch.mul(twice, G_v, out=self.take()))
+            t_bars = [torch.mul(twice, half, out=self.take()) for half in G]
             if p_bars is not None:
-                self.y[layer] = torch.mul(t_u, p_bars[0], out=self.take()).addcmul_(t_v, p_bars[1])
+                self.y[layer] = self.summed(tangents, p_bars)
                 for t_bar, p_bar in zip(t_bars, p_bars, strict=True):
                     t_bar.addcmul_(self.cos[layer], p_bar)
             self.t_bars.append(t_bars)
             if layer > 0:
-                p_bars = (self.Vt[layer] @ t_bars[0], self.Vt[layer] @ t_bars[1])
+                p_bars = [self.Vt[layer] @ t_bar for t_bar in t_bars]
         self.t_bars.reverse()
+
+    def halves(self, block: list[Tensor | None], tangents: list[Tensor], out: list[Tensor]) -> None:
+        """out_a ← āa t_a + ½ Σ_b āb t_b: half the derivative of Σ āb t_a t_b with respect to every t_a."""
+        for total in out:
+            total.zero_()
+        for (first, second), bar in zip(PAIRS, block, strict=False):
+            if bar is None:
+                continue
+            wide = bar.unsqueeze(-2)
+            if first == second:
+                out[first].addcmul_(tangents[first], wide)
+            else:
+                out[first].addcmul_(tangents[second], wide, value=0.5)
+                out[second].addcmul_(tangents[first], wide, value=0.5)
+
+    def summed(self, one: list[Tensor], other: list[Tensor]) -> Float[Tensor, "*m width n"]:
+        """Σ over the directions of the products."""
+        total = torch.mul(one[0], other[0], out=self.take())
+        for a, b in zip(one[1:], other[1:], strict=True):
+            total.addcmul_(a, b)
+        return total
 
     def reverse_backward(self, gradient: Float[Tensor, "*m 3 n"]) -> None:
         """From the gradient's cotangent to λ̄ and y."""

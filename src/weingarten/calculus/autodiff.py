@@ -4,7 +4,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from weingarten.calculus.jet import GRADIENT, VALUE, Jet, tangent_frame
+from weingarten.calculus.jet import GRADIENT, PAIRS, VALUE, Jet, directions
 
 
 class Autodiff:
@@ -28,10 +28,11 @@ class Autodiff:
             gradient = differentiate(value, x)
             if order == GRADIENT:
                 return Jet(value, gradient)
-            u, v = tangent_frame(gradient, points.new_zeros(points.shape[:-1]) if angles is None else angles)
-            Hu = differentiate((gradient * u).sum(-1), x)
-            Hv = differentiate((gradient * v).sum(-1), x)
-        return Jet(value, gradient, (Hu * u).sum(-1), (Hu * v).sum(-1), (Hv * v).sum(-1))
+            turns = points.new_zeros(points.shape[:-1]) if angles is None else angles
+            frame = directions(gradient, turns, order)
+            products = [differentiate((gradient * direction).sum(-1), x) for direction in frame]
+        pairs = [pair for pair in PAIRS if max(pair) < len(frame)]
+        return Jet(value, gradient, *((products[i] * frame[j]).sum(-1) for i, j in pairs))
 
 
 def differentiate(values: Float[Tensor, "n *m"], points: Float[Tensor, "n *m 3"]) -> Float[Tensor, "n *m 3"]:

@@ -1,4 +1,4 @@
-"""What a term may know of a field at a point: value, gradient and the tangent block of its Hessian.
+"""What a term may know of a field at a point: value, gradient, and its Hessian in a frame of the surface.
 
 Symbols, used in every file of `calculus` and `terms`: f the field, g = ∇f, H its Hessian, n = g/‖g‖,
 (u, v) an orthonormal frame of the tangent plane, all in the unit frame. The frame is a constant for the
@@ -13,15 +13,22 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-VALUE, GRADIENT, TANGENT = 0, 1, 2
-"""Orders of a jet: value alone; and gradient; and the tangent block uᵀHu, uᵀHv, vᵀHv."""
+VALUE, GRADIENT, TANGENT, HESSIAN = range(4)
+"""Orders of a jet: value alone; and gradient; and the tangent block uᵀHu, uᵀHv, vᵀHv; and the rest of H."""
+
+TENSORS = (1, 2, 5, 8)
+"""How many of a jet's arrays there are, by its order."""
+
+PAIRS = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
+"""Directions, of (u, v, n), of a jet's second derivatives, in order; a tangent block has the first three."""
 
 
 @dataclass(frozen=True)
 class Jet:
     """Derivatives of a field at n points, or of m fields at n points each; what was not asked for is None.
 
-    value: f, unit lengths. gradient: ∇f, no unit. uu, uv, vv: uᵀHu, uᵀHv, vᵀHv, one over unit length.
+    value: f, unit lengths. gradient: ∇f, no unit. uu, uv, vv: uᵀHu, uᵀHv, vᵀHv, one over unit length; un, vn,
+    nn: uᵀHn, vᵀHn, nᵀHn.
     """
 
     value: Float[Tensor, "n *m"]
@@ -29,18 +36,19 @@ class Jet:
     uu: Float[Tensor, "n *m"] | None = None
     uv: Float[Tensor, "n *m"] | None = None
     vv: Float[Tensor, "n *m"] | None = None
+    un: Float[Tensor, "n *m"] | None = None
+    vn: Float[Tensor, "n *m"] | None = None
+    nn: Float[Tensor, "n *m"] | None = None
 
     def split(self, sizes: list[int]) -> "list[Jet]":
         """The jets of consecutive points, so many each."""
-        fields = (self.value, self.gradient, self.uu, self.uv, self.vv)
-        rows = [[None] * len(sizes) if field is None else field.split(sizes) for field in fields]
-        return [Jet(*row) for row in zip(*rows, strict=True)]
+        return [Jet(*row) for row in zip(*(tensor.split(sizes) for tensor in self.tensors), strict=True)]
 
     @property
     def tensors(self) -> tuple[Tensor, ...]:
         """All that was asked for."""
-        fields = (self.value, self.gradient, self.uu, self.uv, self.vv)
-        return tuple(field for field in fields if field is not None)
+        block = (self.uu, self.uv, self.vv, self.un, self.vn, self.nn)
+        return tuple(field for field in (self.value, self.gradient, *block) if field is not None)
 
     def detached(self) -> "Jet":
         """The same numbers as leaves of a graph of their own."""
@@ -61,6 +69,15 @@ class Jet:
         norm = self.slope.norm(dim=-1).clamp_min(SMALLEST_NORM)
         return self.uu / norm, self.uv / norm, self.vv / norm
 
+    @property
+    def hessian(self) -> Float[Tensor, "n *m 3 3"]:
+        """H in the frame: (u v n)ᵀ H (u v n), of which trace and determinant are those of H."""
+        if self.uu is None or self.nn is None:
+            raise ValueError("this jet was evaluated without its Hessian; ask for order HESSIAN")
+        uu, uv, vv, un, vn, nn = self.tensors[2:]
+        rows = (torch.stack(row, dim=-1) for row in ((uu, uv, un), (uv, vv, vn), (un, vn, nn)))
+        return torch.stack(tuple(rows), dim=-2)
+
 
 SMALLEST_NORM = 1e-12
 """Guard of every division by ‖∇f‖: a critical point of the field gives a large residual, never a NaN."""
@@ -73,8 +90,21 @@ class Calculus(Protocol):
     def __call__(
         self, points: Float[Tensor, "n *m 3"], order: int, angles: Float[Tensor, "n *m"] | None = None
     ) -> Jet:
-        """The jet of `order` at `points`; `angles` turn the tangent frames, radians (order TANGENT)."""
+        """The jet of `order` at `points`; `angles` turn the tangent frames, radians (from TANGENT on)."""
         ...
+
+
+def directions(
+    gradient: Float[Tensor, "n *m 3"], angles: Float[Tensor, "n *m"], order: int
+) -> tuple[Float[Tensor, "n *m 3"], ...]:
+    """(u, v) of order TANGENT, (u, v, n) of order HESSIAN; detached from the graph."""
+    return (*tangent_frame(gradient, angles), unit_normal(gradient))[: 2 if order == TANGENT else 3]
+
+
+def unit_normal(gradient: Float[Tensor, "n *m 3"]) -> Float[Tensor, "n *m 3"]:
+    """n = ∇f/‖∇f‖, detached from the graph."""
+    with torch.no_grad():
+        return gradient / gradient.norm(dim=-1, keepdim=True).clamp_min(SMALLEST_NORM)
 
 
 def tangent_frame(
@@ -85,9 +115,8 @@ def tangent_frame(
     The frame at angle 0 is that of Duff et al. 2017, "Building an Orthonormal Basis, Revisited", eq. 4.
     """
     with torch.no_grad():
-        n = gradient / gradient.norm(dim=-1, keepdim=True).clamp_min(SMALLEST_NORM)
-        x, y, z = n.unbind(-1)
-        sign = 1.0 - 2.0 * (z < 0).to(n)
+        x, y, z = unit_normal(gradient).unbind(-1)
+        sign = 1.0 - 2.0 * (z < 0).to(z)
         a = -1.0 / (sign + z)
         b = x * y * a
         e1 = torch.stack([1.0 + sign * x * x * a, sign * b, -sign * x], dim=-1)

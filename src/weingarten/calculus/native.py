@@ -11,9 +11,10 @@ from jaxtyping import Float
 from torch import Tensor
 
 from weingarten.calculus import kernels
+from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.buffers import Buffers
-from weingarten.calculus.evaluation import Bars
-from weingarten.calculus.jet import VALUE, Jet
+from weingarten.calculus.evaluation import Bars, Evaluation, Taped
+from weingarten.calculus.jet import TANGENT, TENSORS, VALUE, Jet
 from weingarten.calculus.kernels import COLUMNS, KEPT, PANEL, PASSING, STREAMS, Gradients, Weights
 from weingarten.fields.siren import Siren
 
@@ -21,12 +22,14 @@ from weingarten.fields.siren import Siren
 class Native:
     """The calculus of one SIREN: `Native(field)(points, order, angles)` is its jet.
 
-    Differentiable once with respect to the field's weights; not with respect to the points.
+    That of order HESSIAN is Analytic's: there is machine code up to the tangent block. Differentiable once
+    with respect to the field's weights; not with respect to the points.
     Raises TypeError for a field or points that are not float32 on a CPU.
     """
 
     def __init__(self, field: Siren) -> None:
         self.field = field
+        self.analytic = Analytic(field)
         self.parameters = (*field.weights, *field.biases)
         self.buffers = Buffers()
         self.lock = Lock()
@@ -37,6 +40,8 @@ class Native:
         self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"] | None = None
     ) -> Jet:
         """See `weingarten.calculus.jet.Calculus`."""
+        if order > TANGENT:
+            return self.analytic(points, order, angles)
         if angles is None:
             angles = points.new_zeros(len(points))
         # within a Function's forward the grad mode is off, and needs_input_grad ignores no_grad
@@ -44,8 +49,10 @@ class Native:
         passes = self.passes(points, order, angles, trains)
         return Jet(*_Jet.apply(passes, *self.parameters))
 
-    def begin(self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"]) -> "Passes":
+    def begin(self, points: Float[Tensor, "n 3"], order: int, angles: Float[Tensor, " n"]) -> Evaluation:
         """See `weingarten.calculus.evaluation.Staged`."""
+        if order > TANGENT:
+            return Taped(self.analytic, list(self.parameters), points, order, angles)
         return self.passes(points, order, angles, True)
 
     def passes(
@@ -125,7 +132,7 @@ class Passes:
     def jet(self) -> Jet:
         """See Evaluation."""
         value, gradient, _, block = self.results
-        return Jet(*(value[0], gradient.t(), *block)[: (1, 2, 5)[self.order]])
+        return Jet(*(value[0], gradient.t(), *block)[: TENSORS[self.order]])
 
     def pull(self, bars: Bars) -> None:
         """See Evaluation. Linear in the cotangents, so the ω of V = ωW is theirs from the first."""
