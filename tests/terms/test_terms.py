@@ -7,15 +7,23 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.exact import Cone, Cylinder, Plane, Sphere, Torus
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
+from weingarten.calculus.finite_difference import CROSS, DIAGONAL, FiniteDifference
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE
+from weingarten.fields.siren import Siren
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 from weingarten.terms.dirichlet import DIRICHLET
+from weingarten.terms.divergence import DIVERGENCE, DIVERGENCE_CLAMPED
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
 from weingarten.terms.free_space import FREE_SPACE
-from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN
+from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
+from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
+from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
+from weingarten.terms.principal_curvature import SMALLER_CURVATURE
+from weingarten.terms.singular_hessian import SINGULAR_HESSIAN
 
 CENTRE, AXIS = (0.1, -0.2, 0.05), (1.0, 2.0, -2.0)
 SHAPES = {
@@ -25,7 +33,20 @@ SHAPES = {
     "cone": Cone((0.0, 0.0, -3.0), (0.0, 0.0, 1.0), 0.3),
     "torus": Torus(CENTRE, AXIS, 0.6, 0.2),
 }
-TERMS = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, FREE_SPACE, OFF_DIAGONAL_WEINGARTEN)
+CURVATURE_TERMS = (
+    OFF_DIAGONAL_WEINGARTEN,
+    FRAME_FREE_WEINGARTEN,
+    SMALLER_CURVATURE,
+    GAUSSIAN_CURVATURE,
+    DOUBLE_TROUGH,
+    SINGULAR_HESSIAN,
+    DIVERGENCE,
+    DIVERGENCE_CLAMPED,
+    NORMAL_DIVERGENCE,
+)
+TERMS = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, FREE_SPACE, *CURVATURE_TERMS)
+NAMES = [term.residual.__module__.rpartition(".")[2] + "." + term.residual.__name__ for term in TERMS]
+CURVATURE_NAMES = NAMES[-len(CURVATURE_TERMS) :]
 
 
 class Scaled(torch.nn.Module):
@@ -55,14 +76,36 @@ def near(found, expected, accuracy=1e-9):
     torch.testing.assert_close(found, expected, rtol=accuracy, atol=accuracy)
 
 
+class Bent(torch.nn.Module):
+    """φ(f) = f + b sin f of an exact distance f: level sets as they were, but no distance."""
+
+    def __init__(self, shape, bend=0.3):
+        super().__init__()
+        self.shape, self.bend = shape, bend
+
+    def forward(self, points):
+        f = self.shape(points)
+        return f + self.bend * torch.sin(f)
+
+    def slopes(self, points):
+        """φ', φ''."""
+        f = self.shape(points)
+        return 1 + self.bend * torch.cos(f), -self.bend * torch.sin(f)
+
+
 def principal(shape, points):
-    """κ₁ − κ₂ of the level sets of an exact distance: k/(1 + k f) at the foot's curvatures k."""
+    """κ₁ − κ₂ of the level sets of an exact distance."""
+    level = curvatures(shape, points)
+    return level[:, 0] - level[:, 1]
+
+
+def curvatures(shape, points):
+    """κ₁ ≥ κ₂ of the level sets of an exact distance: k/(1 + k f) at the foot's curvatures k."""
     at = points.clone().requires_grad_(True)
     f = shape(at)
     (g,) = torch.autograd.grad(f.sum(), at)
     feet = shape.curvatures(at.detach() - f.detach()[:, None] * g)
-    level = feet / (1 + feet * f.detach()[:, None])
-    return level[:, 0] - level[:, 1]
+    return feet / (1 + feet * f.detach()[:, None])
 
 
 def test_where_and_how_far_each_term_looks():
@@ -73,7 +116,9 @@ def test_where_and_how_far_each_term_looks():
         ((SURFACE, NEAR), GRADIENT),
         ((SURFACE, NEAR), GRADIENT),
         ((OFF_SURFACE,), VALUE),
-        ((NEAR,), TANGENT),
+        *[((NEAR,), TANGENT)] * 5,
+        ((NEAR,), HESSIAN),
+        *[((OFF_SURFACE,), HESSIAN)] * 3,
     ]
 
 
@@ -86,6 +131,135 @@ def test_closed_forms_of_first_order_terms(shape, factor):
     near(residuals(OFF_SURFACE_TERM, field, points), torch.exp(-100 * factor * f.abs()))
     near(residuals(EIKONAL, field, points), torch.full_like(f, (factor**2 - 1) ** 2))
     near(residuals(EIKONAL_ABSOLUTE, field, points), torch.full_like(f, abs(factor - 1)))
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.3, -2.0])
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+def test_closed_forms_of_curvature_terms(shape, factor):
+    """Of c f: a level set's curvatures do not change but in sign; Laplacian and determinant do."""
+    points, angles = draw()
+    field = Scaled(shape, factor)
+    first, second = curvatures(shape, points).t()
+    gaussian = (first * second).abs()
+    near(residuals(FRAME_FREE_WEINGARTEN, field, points, angles), (first - second).abs() / math.pi)
+    near(residuals(SMALLER_CURVATURE, field, points, angles), torch.minimum(first.abs(), second.abs()))
+    near(residuals(GAUSSIAN_CURVATURE, field, points, angles), gaussian)
+    near(residuals(DOUBLE_TROUGH, field, points, angles), trough(gaussian))
+    near(residuals(DIVERGENCE, field, points, angles), abs(factor) * (first + second).abs())
+    near(residuals(SINGULAR_HESSIAN, field, points, angles), torch.zeros_like(first))
+    near(residuals(NORMAL_DIVERGENCE, field, points, angles), torch.zeros_like(first))
+
+
+def trough(curvature):
+    """NeurCADRecon's polynomial as it is written, term by term."""
+    pi = math.pi
+    return (
+        (64 * pi - 80) / pi**4 * curvature**4
+        - (64 * pi - 88) / pi**3 * curvature**3
+        + (16 * pi - 29) / pi**2 * curvature**2
+        + 3 / pi * curvature
+    )
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+def test_closed_forms_on_what_is_no_distance(shape):
+    """Of φ(f): H = φ' H_f + φ'' ∇f ∇fᵀ, so that its normal part and its determinant do not vanish."""
+    points, angles = draw()
+    field = Bent(shape)
+    slope, bend = field.slopes(points)
+    first, second = curvatures(shape, points).t()
+    near(residuals(NORMAL_DIVERGENCE, field, points, angles), bend.abs())
+    near(residuals(SINGULAR_HESSIAN, field, points, angles), (slope**2 * first * second * bend).abs())
+    near(residuals(DIVERGENCE, field, points, angles), (slope * (first + second) + bend).abs())
+    near(residuals(GAUSSIAN_CURVATURE, field, points, angles), (first * second).abs())
+    near(residuals(FRAME_FREE_WEINGARTEN, field, points, angles), (first - second).abs() / math.pi)
+
+
+ZERO = {
+    "off_diagonal_weingarten": {"plane", "sphere"},
+    "frame_free_weingarten": {"plane", "sphere"},
+    "smaller_curvature": {"plane", "cylinder", "cone"},
+    "gaussian_curvature": {"plane", "cylinder", "cone"},
+    "double_trough": {"plane", "cylinder", "cone"},
+    "singular_hessian": {"plane", "sphere", "cylinder", "cone", "torus"},
+    "divergence": {"plane"},
+    "normal_divergence": {"plane", "sphere", "cylinder", "cone", "torus"},
+}
+"""Method §3's table."""
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("term", [t for t in CURVATURE_TERMS if t is not DIVERGENCE_CLAMPED], ids=ZERO)
+def test_zero_sets(term, name):
+    found = residuals(term, Scaled(SHAPES[name]), *draw())
+    assert (float(found.max()) < 1e-9) == (name in ZERO[term.name])
+
+
+def test_the_double_trough_falls_again_beyond_its_crest():
+    at = torch.linspace(0, 2.5, 2501, dtype=torch.float64)
+    values = trough(at)
+    crest, dip = float(at[values[:1200].argmax()]), float(at[1000 + values[1000:2000].argmin()])
+    assert 0.5 < crest < 0.9
+    assert dip == pytest.approx(math.pi / 2, abs=0.05)
+    assert trough(torch.tensor(dip)) < 0.4 * trough(torch.tensor(crest))
+
+
+def test_the_clamped_divergence_leaves_the_wild_alone():
+    points, angles = draw()
+    for factor, expected in ((1e4, 50.0), (0.0, 0.1)):
+        found = residuals(DIVERGENCE_CLAMPED, Scaled(SHAPES["sphere"], factor), points, angles)
+        assert (found == expected).all()
+
+
+@pytest.mark.parametrize("stencil", [DIAGONAL, CROSS], ids=["diagonal", "cross"])
+@pytest.mark.parametrize("term", CURVATURE_TERMS, ids=CURVATURE_NAMES)
+def test_finite_differences_come_to_the_same_in_the_second_order(term, stencil):
+    points, angles = draw()
+    field = Bent(Torus((0.0, 0.0, 3.0), AXIS, 1.0, 0.25))
+
+    def error(h):
+        jet = FiniteDifference(Autodiff(field), h, stencil)(points, term.order, angles)
+        found = term.residual(jet, Sample(points)).detach()
+        return float((found - residuals(term, field, points, angles)).abs().mean())
+
+    coarse, fine = error(0.02), error(0.005)
+    assert fine < 1e-3
+    assert coarse == pytest.approx(16 * fine, rel=0.2)
+
+
+@pytest.mark.parametrize("term", CURVATURE_TERMS, ids=CURVATURE_NAMES)
+def test_gradients_of_a_network_are_those_of_difference_quotients(term):
+    """∂ mean residual / ∂ weights along random directions, through jets worked out by hand, frames held."""
+    generator = torch.Generator().manual_seed(0)
+    field = Siren(8, 3, 3.0, generator).double()
+    points, angles = draw(20)
+    weights = list(field.parameters())
+
+    def mean():
+        return term.residual(Analytic(field)(points, term.order, angles), Sample(points)).mean()
+
+    found = torch.autograd.grad(mean(), weights, allow_unused=True, materialize_grads=True)
+    expected = torch.autograd.grad(
+        term.residual(Autodiff(field)(points, term.order, angles), Sample(points)).mean(),
+        weights,
+        allow_unused=True,
+        materialize_grads=True,
+    )
+    for one, other in zip(found, expected, strict=True):
+        near(one, other)
+    # frames turn with the weights, and are held for the optimiser: only what no frame enters has a quotient
+    if term in (SINGULAR_HESSIAN, DIVERGENCE, DIVERGENCE_CLAMPED):
+        directions = [torch.randn(w.shape, dtype=w.dtype, generator=generator) for w in weights]
+        slope = sum((g * d).sum() for g, d in zip(found, directions, strict=True))
+        values = []
+        for sign in (1.0, -1.0):
+            with torch.no_grad():
+                for weight, direction in zip(weights, directions, strict=True):
+                    weight += sign * 1e-6 * direction
+                values.append(float(mean()))
+                for weight, direction in zip(weights, directions, strict=True):
+                    weight -= sign * 1e-6 * direction
+        assert float(slope) == pytest.approx((values[0] - values[1]) / 2e-6, rel=1e-5)
 
 
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
@@ -112,6 +286,17 @@ def test_mean_over_frames_on_a_cylinder(radius):
     angles = (torch.arange(4096, dtype=torch.float64) + 0.5) * 2 * math.pi / 4096
     mean = residuals(OFF_DIAGONAL_WEINGARTEN, Scaled(shape), on_surface, angles).mean()
     assert float(mean) == pytest.approx(1 / (math.pi * radius), rel=1e-6)
+
+
+@given(seed=st.integers(0, 10_000), term=st.sampled_from(CURVATURE_TERMS[1:]))
+@settings(max_examples=30, deadline=None)
+def test_what_needs_no_frame_does_not_turn_with_the_part_nor_with_the_frame(seed, term):
+    generator = torch.Generator().manual_seed(seed)
+    rotation = torch.linalg.qr(torch.randn(3, 3, dtype=torch.float64, generator=generator))[0]
+    points, angles = draw(20, seed)
+    expected = residuals(term, Bent(SHAPES["torus"]), points, torch.zeros_like(angles))
+    turned = Bent(Scaled(SHAPES["torus"], 1.0, rotation))
+    near(residuals(term, turned, points @ rotation.T, angles), expected, 1e-8)
 
 
 @given(seed=st.integers(0, 10_000), name=st.sampled_from(sorted(SHAPES)))
@@ -182,7 +367,7 @@ def test_critical_points_give_finite_residuals_and_gradients():
         assert field.level.grad.isfinite()
 
 
-@pytest.mark.parametrize("term", TERMS, ids=[f"{term.name}-{i}" for i, term in enumerate(TERMS)])
+@pytest.mark.parametrize("term", TERMS, ids=NAMES)
 def test_residuals_are_one_for_each_point_in_any_float_type(term):
     for dtype in (torch.float32, torch.float64):
         points = torch.rand(9, 3, dtype=dtype)

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from weingarten.calculus.evaluation import Evaluation
-from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE, Jet
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE, Jet
 from weingarten.crew import Crew
 from weingarten.fit.optimiser import Factor
 from weingarten.scan.sample import Sample
@@ -27,7 +27,7 @@ WHOLE = 32
 Begin = Callable[[Tensor, int, Tensor], Evaluation]
 """Points, order and angles to an evaluation."""
 
-PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12}
+PASSES = {VALUE: 3, GRADIENT: 6, TANGENT: 12, HESSIAN: 15}
 """Forward passes that a point's jet and its derivative cost."""
 
 

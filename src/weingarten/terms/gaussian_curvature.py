@@ -1,0 +1,44 @@
+"""Gaussian curvature: CAD's surfaces are piecewise developable (NeurCADRecon, Dong et al. 2024; method §3).
+
+|K| = |S₁₁ S₂₂ − S₁₂²| = |det [[H, ∇f], [∇fᵀ, 0]]| / ‖∇f‖⁴, zero on planes, cylinders and cones. The
+authors' code divides by ‖∇f‖² only, that of arXiv 2511.08980 the tangent block's determinant by ‖∇f‖⁴
+instead of ‖∇f‖². Here the frame is a constant for the optimiser, as it is in the off-diagonal Weingarten
+term.
+
+Where faces meet in a tip a developable surface has curvature that it must keep: the double trough is
+NeurCADRecon's polynomial which, beyond a first trough at 0, has a second one near |K| = π/2.
+"""
+
+import math
+
+from jaxtyping import Float
+from torch import Tensor
+
+from weingarten.calculus.jet import TANGENT, Jet
+from weingarten.scan.sample import NEAR, Sample
+from weingarten.terms.term import Term
+
+TROUGH = (
+    3.0 / math.pi,
+    (16.0 * math.pi - 29.0) / math.pi**2,
+    -(64.0 * math.pi - 88.0) / math.pi**3,
+    (64.0 * math.pi - 80.0) / math.pi**4,
+)
+"""Coefficients of |K|, |K|², |K|³, |K|⁴."""
+
+
+def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
+    """|S₁₁ S₂₂ − S₁₂²|, one over unit length squared."""
+    s11, s12, s22 = jet.shape_operator
+    return (s11 * s22 - s12.square()).abs()
+
+
+def double_trough(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
+    """Σ TROUGH_i |K|^(i+1), K in one over unit length squared."""
+    curvature = residual(jet, sample)
+    linear, square, cube, fourth = TROUGH
+    return curvature * (linear + curvature * (square + curvature * (cube + curvature * fourth)))
+
+
+GAUSSIAN_CURVATURE = Term("gaussian_curvature", residual, (NEAR,), TANGENT)
+DOUBLE_TROUGH = Term("double_trough", double_trough, (NEAR,), TANGENT)
