@@ -4,6 +4,11 @@
     result = wg.reconstruct(wg.read_points("scan.ply"))
     wg.write_mesh("part.stl", result.mesh)
 
+Every term of a loss is of use in any other training loop, with any module f: (n, 3) → (n,):
+
+    from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN
+    loss = loss + 10 * OFF_DIAGONAL_WEINGARTEN(model, points).mean()
+
 Names are imported when first used, so that `import weingarten` costs nothing.
 """
 

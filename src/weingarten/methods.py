@@ -5,14 +5,10 @@ from dataclasses import dataclass, replace
 
 from torch import nn
 
-from weingarten.calculus.analytic import Analytic
-from weingarten.calculus.autodiff import Autodiff
+from weingarten.calculus.choice import exact
 from weingarten.calculus.finite_difference import FiniteDifference
 from weingarten.calculus.jet import Calculus
-from weingarten.calculus.native import Native, suits
 from weingarten.errors import OptionError
-from weingarten.fields.ensemble import Ensemble
-from weingarten.fields.siren import Siren
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
@@ -20,16 +16,6 @@ from weingarten.terms.free_space import FREE_SPACE
 from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.term import Term
-
-
-def exact(field: nn.Module) -> Calculus:
-    """Exact jets: native ones of a float32 SIREN on a CPU, analytic ones of any other and of an ensemble.
-
-    Of any other module, autograd's.
-    """
-    if isinstance(field, Siren) and suits(field):
-        return Native(field)
-    return Analytic(field) if isinstance(field, Siren | Ensemble) else Autodiff(field)
 
 
 def finite_difference(field: nn.Module) -> Calculus:

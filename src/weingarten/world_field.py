@@ -8,12 +8,12 @@ import torch
 from jaxtyping import Float64
 from torch import nn
 
+from weingarten.calculus.choice import exact
 from weingarten.calculus.jet import TANGENT
 from weingarten.errors import CheckpointError
 from weingarten.fields.siren import Siren
 from weingarten.fit.checkpoint import Checkpoint
 from weingarten.frame import Frame
-from weingarten.methods import exact
 
 BATCH = 4096
 

@@ -288,6 +288,49 @@ def test_mean_over_frames_on_a_cylinder(radius):
     assert float(mean) == pytest.approx(1 / (math.pi * radius), rel=1e-6)
 
 
+class Softplus(torch.nn.Module):
+    """Somebody else's network."""
+
+    def __init__(self):
+        super().__init__()
+        generator = torch.Generator().manual_seed(0)
+        self.first = torch.nn.Parameter(torch.randn(16, 3, generator=generator))
+        self.second = torch.nn.Parameter(0.1 * torch.randn(16, generator=generator))
+
+    def forward(self, points):
+        return torch.nn.functional.softplus(points @ self.first.t()) @ self.second
+
+
+@pytest.mark.parametrize("term", TERMS, ids=NAMES)
+@pytest.mark.parametrize("make", [Softplus, lambda: Siren(16, 3)], ids=["theirs", "ours"])
+def test_a_term_alone_lowers_itself_in_any_training_loop(term, make):
+    model, points = make(), draw(100)[0].float()
+    known = {"distance": points.norm(dim=-1) - 0.5} if term is FREE_SPACE else {}
+    optimiser = torch.optim.Adam(model.parameters(), lr=1e-4)
+    angles = torch.zeros(100)
+    before = term(model, points, angles, **known).mean().item()
+    for _ in range(30):
+        optimiser.zero_grad()
+        loss = term(model, points, angles, **known)
+        assert loss.shape == (100,)
+        loss.mean().backward()
+        optimiser.step()
+    after = term(model, points, angles, **known).mean().item()
+    # the divergence of a network that is wild, or tame, everywhere is all beyond the clamp
+    assert after < before or (term is DIVERGENCE_CLAMPED and after == before)
+
+
+def test_a_term_alone_draws_its_frames_and_takes_a_calculus():
+    model, points = Siren(16, 3), draw(50)[0].float()
+    torch.manual_seed(0)
+    one, other = (OFF_DIAGONAL_WEINGARTEN(model, points) for _ in range(2))
+    assert not torch.equal(one, other)
+    angles = torch.zeros(50)
+    expected = residuals(OFF_DIAGONAL_WEINGARTEN, model, points, angles)
+    near(OFF_DIAGONAL_WEINGARTEN(Analytic(model), points, angles).detach(), expected, 1e-3)
+    near(OFF_DIAGONAL_WEINGARTEN(model, points, angles).detach(), expected, 1e-3)
+
+
 @given(seed=st.integers(0, 10_000), term=st.sampled_from(CURVATURE_TERMS[1:]))
 @settings(max_examples=30, deadline=None)
 def test_what_needs_no_frame_does_not_turn_with_the_part_nor_with_the_frame(seed, term):

@@ -18,6 +18,7 @@ these products nor those with V and Vᵀ have to copy a transpose of n columns. 
 value 1 + 2, with gradient 2 + 4, with the tangent block 4 + 8, with the whole Hessian 5 + 10.
 """
 
+from collections.abc import Sequence
 from threading import Lock
 from typing import Any
 
@@ -228,7 +229,7 @@ class _Tape:
                 self.pushed.append([torch.mul(self.cos[layer], t, out=self.take()) for t in tangents])
         return [rows(-total.sum(-2)) for total in totals]
 
-    def push_backward(self, block: list[Tensor | None]) -> None:
+    def push_backward(self, block: Sequence[Tensor | None]) -> None:
         """From the second derivatives' cotangents to t̄, w and y."""
         count = len(self.tangents[0])
         twice, *G = (self.take() for _ in range(1 + count))
@@ -248,7 +249,7 @@ class _Tape:
                 p_bars = [self.Vt[layer] @ t_bar for t_bar in t_bars]
         self.t_bars.reverse()
 
-    def halves(self, block: list[Tensor | None], tangents: list[Tensor], out: list[Tensor]) -> None:
+    def halves(self, block: Sequence[Tensor | None], tangents: list[Tensor], out: list[Tensor]) -> None:
         """out_a ← āa t_a + ½ Σ_b āb t_b: half the derivative of Σ āb t_a t_b with respect to every t_a."""
         for total in out:
             total.zero_()

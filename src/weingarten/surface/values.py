@@ -6,9 +6,9 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from weingarten.calculus.choice import exact
 from weingarten.calculus.jet import VALUE
 from weingarten.crew import Crew
-from weingarten.methods import exact
 
 PIECE = 8192
 """Points that a core evaluates together: few enough that every core gets some."""
