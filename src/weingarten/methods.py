@@ -3,12 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import torch
 from torch import nn
 
 from weingarten.calculus.choice import exact
 from weingarten.calculus.finite_difference import FiniteDifference
 from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
+from weingarten.fields.siren import Siren
+from weingarten.scan.knowledge import Knowledge, positions_alone, signs_of_free_space
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
@@ -25,9 +28,10 @@ def finite_difference(field: nn.Module) -> Calculus:
 
 @dataclass(frozen=True)
 class Method:
-    """A loss Σ weight(t) · mean residual, and the calculus that feeds its terms.
+    """A loss Σ weight(t) · mean residual, the field that it is of, and the calculus that feeds its terms.
 
-    scheduled: the term whose weight `--schedule` and `--knots` set.
+    knowledge: what is known of the points that are drawn. field: from width, depth, ω₀ of the preset, and the
+    generator. scheduled: the term whose weight `--schedule` and `--knots` set.
     """
 
     name: str
@@ -35,6 +39,8 @@ class Method:
     calculus: Callable[[nn.Module], Calculus]
     source: str
     scheduled: Term = OFF_DIAGONAL_WEINGARTEN
+    knowledge: Knowledge = positions_alone
+    field: Callable[[int, int, float, torch.Generator | None], nn.Module] = Siren
 
     @property
     def schedule(self) -> Schedule:
@@ -73,13 +79,21 @@ RECIPE_TERMS = {
 METHODS = {
     method.name: method
     for method in (
-        Method("odw", RECIPE_TERMS, exact, "arXiv 2511.03147 with signs from free space", FEW_ODW),
+        Method(
+            "odw",
+            RECIPE_TERMS,
+            exact,
+            "arXiv 2511.03147 with signs from free space",
+            FEW_ODW,
+            signs_of_free_space,
+        ),
         Method(
             "odw-fd",
             RECIPE_TERMS,
             finite_difference,
             "arXiv 2506.16627 (FlatCAD-FD), signs from free space",
             FEW_ODW,
+            signs_of_free_space,
         ),
         Method("odw-paper", PAPER_TERMS, exact, "arXiv 2511.03147, to the letter"),
         Method("odw-paper-fd", PAPER_TERMS, finite_difference, "arXiv 2511.03147 by finite differences"),

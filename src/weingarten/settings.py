@@ -3,6 +3,9 @@
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
+import torch
+from torch import nn
+
 from weingarten.errors import OptionError
 from weingarten.methods import METHODS, Method, method_named
 from weingarten.schedules.schedule import Knots, Schedule
@@ -15,7 +18,8 @@ class Settings:
     steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
     first step and at the last, in stages between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
-    width, depth, frequency: of the SIREN. resolution: cells along the longest side.
+    width, depth, frequency: of the field, as far as the method's has them.
+    resolution: cells along the longest side.
     """
 
     preset: str
@@ -38,6 +42,10 @@ class Settings:
     def resolved_method(self) -> Method:
         """The method's row with this fit's schedule."""
         return method_named(self.method).with_schedule(Schedule(self.shape, self.knots))
+
+    def field(self, generator: torch.Generator | None = None) -> nn.Module:
+        """The method's field at this fit's size, with first weights drawn from the generator."""
+        return self.resolved_method().field(self.width, self.depth, self.frequency, generator)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, knots as [time, weight] pairs."""

@@ -19,12 +19,10 @@ from weingarten.fit.loop import CHUNK, GPU_CHUNK, Loop
 from weingarten.fit.optimisers import OPTIMISERS, RATES
 from weingarten.frame import Frame
 from weingarten.scan.diagnose import diagnose
-from weingarten.scan.draws import REACH, CloudDraws, Draws, SignedDraws
-from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.draws import REACH, Draws
 from weingarten.scan.generators import Generators
 from weingarten.scan.thinning import thinned, thinning_notes
 from weingarten.settings import Settings
-from weingarten.terms.free_space import FREE_SPACE
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -67,9 +65,9 @@ class Start:
         frame = Frame.of(diagnosis.points)
         unit = frame.to_unit(thinned(diagnosis.points, settings.seed))
         generator = torch.Generator().manual_seed(settings.seed)
-        sizes = (settings.width, settings.depth, settings.frequency)
-        field = Siren(*sizes, generator) if module is None else module
-        draws, notes = draws_of(settings, unit, generator)
+        field = settings.field(generator) if module is None else module
+        tree = KDTree(unit, leafsize=LEAF, compact_nodes=False)
+        draws, notes = settings.resolved_method().knowledge(unit, tree, generator)
         if device.type == "cuda":
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)
@@ -80,17 +78,6 @@ class Start:
     def origin(self) -> Origin:
         """What a checkpoint of this fit belongs to."""
         return origin_of(self.settings, self.frame, self.cloud)
-
-
-def draws_of(
-    settings: Settings, unit: Points, generator: torch.Generator
-) -> tuple[CloudDraws, tuple[str, ...]]:
-    """The draws that a method needs, and notes on the signs that free space gave."""
-    tree = KDTree(unit, leafsize=LEAF, compact_nodes=False)
-    if FREE_SPACE not in settings.resolved_method().terms:
-        return CloudDraws(unit, tree), ()
-    space = FreeSpace.of(unit, tree, REACH)
-    return SignedDraws(unit, tree, space, generator), space.notes
 
 
 def loop_of(

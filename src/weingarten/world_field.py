@@ -11,7 +11,6 @@ from torch import nn
 from weingarten.calculus.choice import exact
 from weingarten.calculus.jet import TANGENT
 from weingarten.errors import CheckpointError
-from weingarten.fields.siren import Siren
 from weingarten.fit.checkpoint import Checkpoint
 from weingarten.frame import Frame
 
@@ -44,10 +43,9 @@ class WorldField:
     def of(cls, found: Checkpoint, device: torch.device) -> "WorldField":
         """The field of a checkpoint, with the weights kept for the mesh where there are such.
 
-        Raises CheckpointError where the network is not a SIREN of the settings.
+        Raises CheckpointError where the network is not that of the settings.
         """
-        settings = found.origin.settings
-        module = Siren(settings.width, settings.depth, settings.frequency)
+        module = found.origin.settings.field()
         try:
             module.load_state_dict(found.kept_state() or found.field_state())
         except RuntimeError as error:

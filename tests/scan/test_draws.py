@@ -5,7 +5,15 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.scan.draws import REACH, CloudDraws, SignedDraws, neighbour_distance, spread, uniform_in_box
+from weingarten.scan.draws import (
+    REACH,
+    CloudDraws,
+    MeasuredDraws,
+    SignedDraws,
+    neighbour_distance,
+    spread,
+    uniform_in_box,
+)
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
@@ -143,6 +151,16 @@ def test_signed_draws_repeat_with_their_generators(cloud, tree):
     pairs = [SignedDraws(cloud, tree, space, seeded(1))(50, seeded(2))[OFF_SURFACE] for _ in range(2)]
     assert torch.equal(pairs[0].points, pairs[1].points)
     assert torch.equal(pairs[0].distance.nan_to_num(9), pairs[1].distance.nan_to_num(9))
+
+
+def test_measured_draws_know_the_distance_to_the_cloud(cloud, tree):
+    samples = MeasuredDraws(cloud, tree, seeded())(2000, seeded())
+    assert samples[SURFACE].unsigned is None
+    for name in (OFF_SURFACE, NEAR):
+        expected = tree.query(samples[name].points.numpy())[0]
+        assert samples[name].unsigned is not None
+        assert abs(samples[name].unsigned.numpy() - expected).max() < 1e-6
+    assert samples[NEAR].unsigned.mean() < samples[OFF_SURFACE].unsigned.mean()
 
 
 def test_samples_split_into_consecutive_pieces():

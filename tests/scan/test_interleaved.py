@@ -5,7 +5,7 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.scan.draws import REACH, CloudDraws, SignedDraws
+from weingarten.scan.draws import REACH, CloudDraws, MeasuredDraws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.generators import Generators
 from weingarten.scan.interleaved import Interleaved
@@ -32,7 +32,12 @@ def signed_draws(count, seed):
     return SignedDraws(points, tree, FreeSpace.of(points, tree, REACH), seeded(seed))
 
 
-@pytest.mark.parametrize("build", [cloud_draws, signed_draws])
+def measured_draws(count, seed):
+    points = ball(count, seed)
+    return MeasuredDraws(points, KDTree(points), seeded(seed))
+
+
+@pytest.mark.parametrize("build", [cloud_draws, signed_draws, measured_draws])
 @pytest.mark.parametrize("count", [50, 400])
 def test_row_k_holds_the_kth_point_of_each_part(build, count):
     members = [build(300 + 100 * i, i) for i in range(3)]
@@ -48,8 +53,9 @@ def test_row_k_holds_the_kth_point_of_each_part(build, count):
                 assert found[name].points.shape == (count, 3, 3)
                 assert torch.equal(found[name].points[:, i], sample.points)
                 assert torch.equal(found[name].angles[:, i], sample.angles)
-                assert (found[name].distance is None) == (sample.distance is None)
-        assert (found[OFF_SURFACE].distance is None) == (build is cloud_draws)
+                assert found[name].tensors.keys() == sample.tensors.keys()
+        assert ("distance" in found[OFF_SURFACE].tensors) == (build is signed_draws)
+        assert ("unsigned" in found[OFF_SURFACE].tensors) == (build is measured_draws)
 
 
 def test_distances_go_with_their_points():

@@ -23,6 +23,7 @@ from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
 from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.principal_curvature import SMALLER_CURVATURE
+from weingarten.terms.sign_agnostic import SIGN_AGNOSTIC
 from weingarten.terms.singular_hessian import SINGULAR_HESSIAN
 
 CENTRE, AXIS = (0.1, -0.2, 0.05), (1.0, 2.0, -2.0)
@@ -376,6 +377,16 @@ def test_free_space_is_the_distance_from_what_is_known():
     shape = SHAPES["sphere"]
     distance = torch.linspace(-1, 1, len(points), dtype=torch.float64)
     near(residuals(FREE_SPACE, Scaled(shape), points, None, distance), (shape(points) - distance).abs())
+
+
+def test_sign_agnostic_regression_asks_for_the_distance_of_either_sign():
+    points, _ = draw()
+    shape, distance = SHAPES["sphere"], torch.linspace(0, 1, 200, dtype=torch.float64)
+    expected = (shape(points).abs() - distance).abs()
+    for factor in (1.0, -1.0):
+        near(SIGN_AGNOSTIC(Scaled(shape, factor), points, unsigned=distance).detach(), expected)
+    with pytest.raises(ValueError, match="distance to the cloud"):
+        SIGN_AGNOSTIC(Scaled(shape), points)
 
 
 def test_free_space_is_silent_where_nothing_is_known():

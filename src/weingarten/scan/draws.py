@@ -55,16 +55,20 @@ class CloudDraws:
 
     def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]:
         """The samples of one step, on the device of the generator."""
-        device = generator.device
         chosen = spread(count, len(self.points), generator)
         surface = self.points[chosen]
-        noise = torch.randn(count, 3, generator=generator, device=device)
+        near = self.near(surface, chosen, generator)
         samples = {
             SURFACE: Sample(surface),
             OFF_SURFACE: self.off_surface(count, generator),
-            NEAR: Sample(surface + noise * self.sigma[chosen].unsqueeze(-1)),
+            NEAR: near,
         }
         return {name: replace(sample, angles=angles(count, generator)) for name, sample in samples.items()}
+
+    def near(self, surface: Float[Tensor, "n 3"], chosen: Tensor, generator: torch.Generator) -> Sample:
+        """About the surface draw, which are the points number `chosen`."""
+        noise = torch.randn(len(surface), 3, generator=generator, device=generator.device)
+        return Sample(surface + noise * self.sigma[chosen].unsqueeze(-1))
 
     def off_surface(self, count: int, generator: torch.Generator) -> Sample:
         """Uniform in the box, nothing known."""
@@ -103,6 +107,45 @@ class SignedDraws(CloudDraws):
         """Points of the pool, with signed distance or NaN."""
         chosen = torch.randint(len(self.pool), (count,), generator=generator, device=generator.device)
         return Sample(self.pool[chosen], self.distance[chosen])
+
+
+class MeasuredDraws(CloudDraws):
+    """Draws whose points off and near the surface know their distance to the nearest point of the cloud.
+
+    Both come from pools of POOL points, whose distances are worked out once: no step has to ask the tree.
+    """
+
+    def __init__(self, points: Float64[np.ndarray, "n 3"], tree: KDTree, generator: torch.Generator) -> None:
+        super().__init__(points, tree)
+        about = spread(POOL, len(self.points), generator)
+        noise = torch.randn(POOL, 3, generator=generator)
+        self.pools = {
+            OFF_SURFACE: uniform_in_box(POOL, generator),
+            NEAR: self.points[about] + noise * self.sigma[about].unsqueeze(-1),
+        }
+        self.distances = {
+            name: torch.from_numpy(tree.query(positions(pool), workers=-1)[0].astype(np.float32))
+            for name, pool in self.pools.items()
+        }
+
+    def move(self, device: torch.device) -> None:
+        """See CloudDraws."""
+        super().move(device)
+        self.pools = {name: pool.to(device) for name, pool in self.pools.items()}
+        self.distances = {name: distance.to(device) for name, distance in self.distances.items()}
+
+    def off_surface(self, count: int, generator: torch.Generator) -> Sample:
+        """Points of the pool that is uniform in the box."""
+        return self.of_pool(OFF_SURFACE, count, generator)
+
+    def near(self, surface: Float[Tensor, "n 3"], chosen: Tensor, generator: torch.Generator) -> Sample:
+        """Points of the pool about the cloud."""
+        return self.of_pool(NEAR, len(surface), generator)
+
+    def of_pool(self, name: str, count: int, generator: torch.Generator) -> Sample:
+        """So many of it, with replacement."""
+        chosen = torch.randint(POOL, (count,), generator=generator, device=generator.device)
+        return Sample(self.pools[name][chosen], unsigned=self.distances[name][chosen])
 
 
 def spread(count: int, total: int, generator: torch.Generator) -> Int64[Tensor, " count"]:

@@ -1,6 +1,7 @@
 """The draws of many parts as one: row k of a sample holds the k-th point of each."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import torch
 
@@ -24,11 +25,5 @@ class Interleaved:
 
 def side_by_side(samples: Sequence[Sample]) -> Sample:
     """Equally many points of each of m parts as (n, m) points."""
-    points = [sample.points for sample in samples]
-    distances = [sample.distance for sample in samples if sample.distance is not None]
-    angles = [sample.angles for sample in samples if sample.angles is not None]
-    return Sample(
-        torch.stack(points, dim=1),
-        torch.stack(distances, dim=1) if distances else None,
-        torch.stack(angles, dim=1) if angles else None,
-    )
+    rows = [sample.tensors for sample in samples]
+    return replace(samples[0], **{name: torch.stack([row[name] for row in rows], dim=1) for name in rows[0]})

@@ -1,7 +1,7 @@
 """What a term may know about the points it is evaluated at, beside the field."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import torch
 from jaxtyping import Float
@@ -17,11 +17,15 @@ class Sample:
 
     distance: signed distance known from free space, NaN where nothing is known; None on other domains.
     angles: by which tangent frames are turned, radians; None where no frame will be asked for.
+    unsigned: distance to the nearest point of the cloud, unit lengths; None where it was not worked out.
+    progress: t = step / steps of the step that they were drawn for, where a term asks for it; else 0.
     """
 
     points: Float[Tensor, "n *m 3"]
     distance: Float[Tensor, "n *m"] | None = None
     angles: Float[Tensor, "n *m"] | None = None
+    unsigned: Float[Tensor, "n *m"] | None = None
+    progress: float = 0.0
 
     @property
     def turns(self) -> Float[Tensor, "n *m"]:
@@ -45,6 +49,10 @@ class Sample:
 
     def each(self, change: Callable[[Tensor], Tensor]) -> "Sample":
         """The sample of changed tensors."""
-        distance = None if self.distance is None else change(self.distance)
-        angles = None if self.angles is None else change(self.angles)
-        return Sample(change(self.points), distance, angles)
+        return replace(self, **{name: change(tensor) for name, tensor in self.tensors.items()})
+
+    @property
+    def tensors(self) -> dict[str, Tensor]:
+        """What is known, by name."""
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, Tensor)}

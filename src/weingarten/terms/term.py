@@ -6,7 +6,7 @@ A term is of use alone too, in a training loop of any kind:
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from jaxtyping import Float
@@ -50,7 +50,7 @@ class Term:
         calculus = exact(field) if isinstance(field, nn.Module) else field
         if angles is None and self.order >= TANGENT:
             angles = 2.0 * torch.pi * torch.rand(points.shape[:-1], dtype=points.dtype, device=points.device)
-        return self.residual(calculus(points, self.order, angles), Sample(points, **known))
+        return self.residual(calculus(points, self.order, angles), replace(Sample(points), **known))
 
     def taken(self, domain: str, count: int) -> int:
         """How many of a domain's points are taken, at least one of any."""
