@@ -6,7 +6,7 @@ import torch
 
 import weingarten as wg
 from weingarten import reconstruction, together
-from weingarten.errors import CloudError, ExtractionError, FitError
+from weingarten.errors import CloudError, ExtractionError, FitError, OptionError
 from weingarten.observer import Observer
 from weingarten.samples.parts import sample_part
 
@@ -141,3 +141,9 @@ def test_mending_a_cloud_is_noted_once(clouds):
     result, _ = wg.reconstruct_many([twice, clouds[1]], wg.resolve(**BRIEF), observer=watcher)
     assert "repeat another" in result.summary.notes[0]
     assert sum("repeat another" in note for note in watcher.notes) == 1
+
+
+@pytest.mark.parametrize("schedule", ["kendall", "discrepancy"])
+def test_weights_that_follow_one_fit_are_refused(schedule):
+    with pytest.raises(OptionError, match="one by one"):
+        wg.reconstruct_many([np.zeros((10, 3))], wg.resolve(schedule=schedule))

@@ -12,7 +12,9 @@ from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
 from weingarten.fields.siren import Siren
 from weingarten.scan.knowledge import Knowledge, positions_alone, signs_of_free_space
+from weingarten.schedules.adaptive import ADAPTIVE
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
+from weingarten.schedules.weight import Adapted, Weight
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
 from weingarten.terms.free_space import FREE_SPACE
@@ -35,7 +37,7 @@ class Method:
     """
 
     name: str
-    terms: dict[Term, Schedule]
+    terms: dict[Term, Weight]
     calculus: Callable[[nn.Module], Calculus]
     source: str
     scheduled: Term = OFF_DIAGONAL_WEINGARTEN
@@ -43,22 +45,25 @@ class Method:
     field: Callable[[int, int, float, torch.Generator | None], nn.Module] = Siren
 
     @property
-    def schedule(self) -> Schedule:
+    def schedule(self) -> Weight:
         """The weight of the scheduled term."""
         return self.terms[self.scheduled]
 
-    def with_schedule(self, schedule: Schedule) -> "Method":
+    def with_schedule(self, schedule: Weight) -> "Method":
         """The same method with another weight of its scheduled term."""
         return replace(self, terms={**self.terms, self.scheduled: schedule})
 
-    def named_schedule(self, name: str) -> Schedule:
-        """The schedule of that name, scaled so that its greatest weight is this method's."""
+    def named_schedule(self, name: str) -> Weight:
+        """The schedule or adaptive weight of that name, scaled to this method's greatest weight."""
+        if name in ADAPTIVE:
+            return Adapted(name, constant(self.schedule.greatest))
         if name not in SCHEDULES:
-            raise OptionError(f"There is no schedule {name!r}; choose one of {', '.join(SCHEDULES)}.")
+            known = ", ".join((*SCHEDULES, *ADAPTIVE))
+            raise OptionError(f"There is no schedule {name!r}; choose one of {known}.")
         return SCHEDULES[name].peaking(self.schedule.greatest)
 
 
-PAPER_TERMS = {
+PAPER_TERMS: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
     OFF_SURFACE_TERM: constant(600.0),
     EIKONAL: constant(50.0),
@@ -68,7 +73,7 @@ FEW_EIKONAL = replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0))
 FEW_ODW = replace(OFF_DIAGONAL_WEINGARTEN, shares=(0.125,))
 """The dear terms on fewer points: the same mean, and its noise is not what limits a fit."""
 
-RECIPE_TERMS = {
+RECIPE_TERMS: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
     OFF_SURFACE_TERM: constant(100.0),
     FREE_SPACE: constant(1000.0),

@@ -110,7 +110,7 @@ def reconstruct(
     keeper = keeper_of(run_folder)
     clock.phase("preparing")
     start = Start.of(points, settings, target, module)
-    loop = loop_of(settings, start.field, start.draws, start.generator)
+    loop = loop_of(settings, start.field, start.draws, start.generator, start.noise)
     origin = start.origin
     oracle = None if truth is None else Oracle(truth)
     found = None
@@ -156,7 +156,7 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
 def prepared(points: Points, settings: Settings, device: torch.device) -> Loop:
     """The loop of a fit before its first step, for those who only want to know what it costs."""
     start = Start.of(points, settings, device)
-    return loop_of(settings, start.field, start.draws, start.generator)
+    return loop_of(settings, start.field, start.draws, start.generator, start.noise)
 
 
 def keeper_of(run_folder: str | Path | Keeper | None) -> Keeper:

@@ -8,7 +8,8 @@ from torch import nn
 
 from weingarten.errors import OptionError
 from weingarten.methods import METHODS, Method, method_named
-from weingarten.schedules.schedule import Knots, Schedule
+from weingarten.schedules.schedule import Knots
+from weingarten.schedules.weight import weight_of
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Settings:
 
     def resolved_method(self) -> Method:
         """The method's row with this fit's schedule."""
-        return method_named(self.method).with_schedule(Schedule(self.shape, self.knots))
+        return method_named(self.method).with_schedule(weight_of(self.shape, self.knots))
 
     def field(self, generator: torch.Generator | None = None) -> nn.Module:
         """The method's field at this fit's size, with first weights drawn from the generator."""
@@ -119,7 +120,7 @@ def resolve(
     row = method_named(method or base.method)
     weight = row.schedule if schedule is None else row.named_schedule(schedule)
     if knots is not None:
-        weight = Schedule(weight.shape, knots)
+        weight = weight_of(weight.shape, knots)
     settings = replace(
         base,
         method=row.name,

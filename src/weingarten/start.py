@@ -21,6 +21,7 @@ from weingarten.frame import Frame
 from weingarten.scan.diagnose import diagnose
 from weingarten.scan.draws import REACH, Draws
 from weingarten.scan.generators import Generators
+from weingarten.scan.noise import noise_level
 from weingarten.scan.thinning import thinned, thinning_notes
 from weingarten.settings import Settings
 
@@ -40,6 +41,7 @@ class Start:
 
     cloud: the points that are of use, world units; unit: those that the fit draws from, all or
     `weingarten.scan.thinning.thinned`, in the unit frame. generator: of the draws.
+    noise: mean distance of the points from their surface, unit lengths.
     notes: what the user should know of the cloud and of the signs that free space gave.
     """
 
@@ -50,6 +52,7 @@ class Start:
     field: nn.Module
     draws: Draws
     generator: torch.Generator
+    noise: float
     notes: tuple[str, ...]
 
     @classmethod
@@ -72,7 +75,8 @@ class Start:
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)
         notes = (*diagnosis.notes, *thinning_notes(len(diagnosis.points), len(unit)), *notes)
-        return cls(settings, diagnosis.points, frame, unit, field.to(device), draws, generator, notes)
+        noise = noise_level(unit, tree)
+        return cls(settings, diagnosis.points, frame, unit, field.to(device), draws, generator, noise, notes)
 
     @functools.cached_property
     def origin(self) -> Origin:
@@ -81,7 +85,11 @@ class Start:
 
 
 def loop_of(
-    settings: Settings, field: nn.Module, draws: Draws, generator: torch.Generator | Generators
+    settings: Settings,
+    field: nn.Module,
+    draws: Draws,
+    generator: torch.Generator | Generators,
+    noise: float = 0.0,
 ) -> Loop:
     """The loop before its first step. On CUDA its steps are recorded, unless the module is the user's own."""
     device = next(field.parameters()).device
@@ -103,6 +111,8 @@ def loop_of(
         ramp=settings.ramp,
         chunk=CHUNK if device.type == "cpu" else GPU_CHUNK,
         crew=crew,
+        seed=settings.seed,
+        noise=noise,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from weingarten.device import chosen_device
-from weingarten.errors import FitError, WeingartenError
+from weingarten.errors import FitError, OptionError, WeingartenError
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
 from weingarten.fit.loop import Loop, Record, run
@@ -15,6 +15,7 @@ from weingarten.observer import Observer
 from weingarten.reconstruction import Clock, Ending, Result, check_finite, concluded
 from weingarten.scan.generators import Generators
 from weingarten.scan.interleaved import Interleaved
+from weingarten.schedules.weight import Adapted
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
 
@@ -39,9 +40,11 @@ def reconstruct_many(
 
     The answers are in the order of the clouds. Where a cloud holds no part, a fit's loss is not finite or a
     field has no surface, the CloudError, FitError or ExtractionError that says so is the answer, and the
-    others go on. Raises DeviceError.
+    others go on. Raises DeviceError, and OptionError for a method whose fields cannot be laid side by side or
+    whose weights follow one fit.
     """
     settings, observer, target = settings or resolve(), observer or Observer(), chosen_device(device)
+    check_joint(settings)
     clocks = [Clock(observer) for _ in clouds]
     errors: Errors = {}
 
@@ -69,6 +72,15 @@ def reconstruct_many(
 
     outcomes = attempted(ended, endings, errors) | errors
     return [outcomes[index] for index in range(len(clouds))]
+
+
+def check_joint(settings: Settings) -> None:
+    """Raise OptionError where parts have to be fitted one by one."""
+    method = settings.resolved_method()
+    if method.field is not Siren:
+        raise OptionError(f"Method {method.name} fits no SIREN; parts can only be fitted one by one with it.")
+    if any(isinstance(weight, Adapted) for weight in method.terms.values()):
+        raise OptionError("An adaptive weight follows a single fit; fit the parts one by one.")
 
 
 def attempted(work: Callable[[int], Answer], tasks: Iterable[int], errors: Errors) -> dict[int, Answer]:

@@ -168,6 +168,6 @@ def test_a_folder_that_is_no_run_is_one_sentence(tmp_path, capsys):
 def test_weights_of_another_network_are_refused(run):
     found, _ = opened(run)
     other = {f"field.{name}": value for name, value in Siren(8, 2, 30.0).state_dict().items()}
-    strange = checkpoint.Checkpoint(found.origin, found.step, other, found.extra)
+    strange = checkpoint.Checkpoint(found.origin, found.step, other, found.extra, {})
     with pytest.raises(checkpoint.CheckpointError, match="network of its own"):
         WorldField.of(strange, torch.device("cpu"))

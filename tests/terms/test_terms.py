@@ -14,6 +14,7 @@ from weingarten.calculus.finite_difference import CROSS, DIAGONAL, FiniteDiffere
 from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE
 from weingarten.fields.siren import Siren
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
+from weingarten.terms.curriculum import CURRICULUM_FREE_SPACE, CURRICULUM_SURFACE
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.divergence import DIVERGENCE, DIVERGENCE_CLAMPED
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
@@ -387,6 +388,31 @@ def test_sign_agnostic_regression_asks_for_the_distance_of_either_sign():
         near(SIGN_AGNOSTIC(Scaled(shape, factor), points, unsigned=distance).detach(), expected)
     with pytest.raises(ValueError, match="distance to the cloud"):
         SIGN_AGNOSTIC(Scaled(shape), points)
+
+
+@pytest.mark.parametrize(
+    ("t", "tolerance", "hardness"),
+    [
+        (0.0, 0.025, 0.0),
+        (0.1, 0.01, 0.1),
+        (0.299, 0.01, 0.1),
+        (0.3, 0.0025, 0.2),
+        (0.5, 0.0, 0.5),
+        (1.0, 0.0, 0.5),
+    ],
+)
+def test_the_curriculum_against_its_formula_point_by_point(t, tolerance, hardness):
+    points, _ = draw()
+    shape, distance = SHAPES["sphere"], torch.linspace(-0.5, 0.5, 200, dtype=torch.float64)
+    distance[::7] = float("nan")
+    sample = Sample(points, distance, progress=t)
+    jet = Autodiff(Scaled(shape))(points, VALUE)
+    found = CURRICULUM_FREE_SPACE.residual(jet, sample)
+    for own, y, f in zip(found.tolist(), distance.tolist(), shape(points).tolist(), strict=True):
+        sign = math.copysign(1, y) * math.copysign(1, y - f)
+        expected = 0.0 if math.isnan(y) else (1 + hardness * sign) * max(abs(y - f) - tolerance, 0.0)
+        assert own == pytest.approx(expected, abs=1e-12)
+    near(CURRICULUM_SURFACE.residual(jet, sample).detach(), (shape(points).abs() - tolerance).clamp_min(0))
 
 
 def test_free_space_is_silent_where_nothing_is_known():

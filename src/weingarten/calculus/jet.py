@@ -94,6 +94,15 @@ class Calculus(Protocol):
         ...
 
 
+@runtime_checkable
+class Progressive(Protocol):
+    """A calculus that is another one at every step."""
+
+    def at(self, t: float) -> Calculus:
+        """That at progress t."""
+        ...
+
+
 def directions(
     gradient: Float[Tensor, "n *m 3"], angles: Float[Tensor, "n *m"], order: int
 ) -> tuple[Float[Tensor, "n *m 3"], ...]:

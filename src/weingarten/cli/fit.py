@@ -62,7 +62,10 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.set_defaults(run=run)
 
 
-SCHEDULE_HELP = "constant, linear, quintic, step, step-next, increasing or none (default: method's)"
+SCHEDULE_HELP = (
+    "constant, linear, quintic, step, step-next, increasing or none; or a weight that follows the losses, "
+    "kendall, gradnorm, dtp, softadapt, relobralo or discrepancy (default: method's)"
+)
 
 
 def run(arguments: argparse.Namespace) -> int:

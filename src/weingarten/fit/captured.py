@@ -105,7 +105,12 @@ class Captured(Loop):
         self.dials = next(self.field.parameters()).detach().new_zeros(count)
 
     def stride(self) -> list[Record]:
-        """Take the steps up to the next reading and say what every part saw at each."""
+        """Take the steps up to the next reading and say what every part saw at each.
+
+        One at a time where no step is like the one before, or a weight waits for what the last one saw.
+        """
+        if self.moves or self.adaptive:
+            return super().stride()
         first = self.step
         last = min(self.steps, (first // READ_EVERY + 1) * READ_EVERY)
         sums: list[Tensor] = []

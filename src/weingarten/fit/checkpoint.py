@@ -39,12 +39,13 @@ class Origin:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A checkpoint as read from its file."""
+    """A checkpoint as read from its file. adaptive: what adaptive weights remember, by their terms' names."""
 
     origin: Origin
     step: int
     tensors: dict[str, Tensor]
     extra: dict[str, object]
+    adaptive: dict[str, dict]
 
     def field_state(self) -> dict[str, Tensor]:
         """The field's weights, for load_state_dict."""
@@ -68,6 +69,8 @@ class Checkpoint:
         for index, optimiser in enumerate(loop.optimisers):
             optimiser.restore(prefixed(self.tensors, f"optimiser.{index}."))
         loop.generator.set_state(state)
+        for name, own in loop.adaptive.items():
+            own.restore(self.adaptive[name])
         loop.step = self.step
 
 
@@ -87,6 +90,7 @@ def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor
         "lower": origin.lower,
         "upper": origin.upper,
         "extra": extra,
+        "adaptive": {name: own.state() for name, own in loop.adaptive.items()},
     }
     with replacing(path) as temporary:
         save_file(
@@ -113,7 +117,7 @@ def load(path: Path) -> Checkpoint:
         origin = Origin(
             settings, frame, header["fingerprint"], tuple(header["lower"]), tuple(header["upper"])
         )
-        return Checkpoint(origin, int(header["step"]), tensors, header["extra"])
+        return Checkpoint(origin, int(header["step"]), tensors, header["extra"], header.get("adaptive", {}))
     except (SafetensorError, OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise CheckpointError(f"{path} is corrupted ({error}); delete it and start the fit anew.") from error
 

@@ -18,7 +18,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from weingarten.calculus.evaluation import Evaluation, Staged, Taped
-from weingarten.calculus.jet import Calculus
+from weingarten.calculus.jet import Calculus, Progressive
 from weingarten.crew import Crew
 from weingarten.fields.ensemble import members
 from weingarten.fit.clip import clip
@@ -29,6 +29,8 @@ from weingarten.fit.pieces import Part, Piece, cut, through
 from weingarten.methods import Method
 from weingarten.scan.draws import Draws
 from weingarten.scan.generators import Generators
+from weingarten.schedules.adaptive import Adaptive
+from weingarten.schedules.seen import Seen
 from weingarten.terms.term import Term
 
 CHUNK, GPU_CHUNK = 1280, 65536
@@ -69,6 +71,8 @@ class Record:
 class Loop:
     """All that a fit needs to take one more step.
 
+    seed, noise: what adaptive weights begin with (`weingarten.schedules.adaptive.Rule.begin`).
+
     Raises nothing of its own; a loss that is not finite is left to the caller to see in the record.
     """
 
@@ -86,6 +90,8 @@ class Loop:
     chunk: int = CHUNK
     crew: Crew = dataclasses.field(default_factory=Crew)
     step: int = 0
+    seed: int = 0
+    noise: float = 0.0
     calculus: Calculus = dataclasses.field(init=False)
     parameters: list[nn.Parameter] = dataclasses.field(init=False)
 
@@ -94,6 +100,11 @@ class Loop:
         self.parameters = list(self.field.parameters())
         self.device = self.parameters[0].device
         self.members = members(self.field)
+        self.schedules = {
+            term: weight.begin(term.name, self.seed, self.noise) for term, weight in self.method.terms.items()
+        }
+        self.adaptive = {t.name: own for t, own in self.schedules.items() if isinstance(own, Adaptive)}
+        self.moves = isinstance(self.calculus, Progressive) or any(term.moving for term in self.schedules)
 
     def advance(self) -> Record:
         """Take one step of one field and say what it saw."""
@@ -103,9 +114,32 @@ class Loop:
     def stride(self) -> list[Record]:
         """Take a step and say what every part saw."""
         shares, factors = self.numbers()
+        gradients = self.gradients() if self.asked() else None
         sums = self.move(self.outline(self.progress), shares, factors)
         self.step += 1
-        return self.records(self.step - 1, sums)
+        records = self.records(self.step - 1, sums)
+        for own in self.adaptive.values():
+            own.watch(Seen(records[0].progress, records[0].terms, records[0].weights, gradients))
+        return records
+
+    def asked(self) -> bool:
+        """Whether an adaptive weight wants the terms' gradients at the step to come."""
+        intervals = [own.gradients_every for own in self.adaptive.values()]
+        return any(interval and self.step % interval == 0 for interval in intervals)
+
+    def gradients(self) -> dict[str, float]:
+        """‖∇_W L‖ of every active term's mean residual L, unweighted, at the draws of the step to come."""
+        outline, state = self.outline(self.progress), self.generator.get_state()
+        norms: dict[str, float] = {}
+        for term in (term for term in outline.terms if term in outline.active):
+            self.generator.set_state(state)
+            self.field.zero_grad()
+            alone = {other: float(other is term) / other.total(outline.count) for other in outline.terms}
+            self.differentiate(dataclasses.replace(outline, active=frozenset({term})), alone)
+            squares = [(w.grad * w.grad).sum() for w in self.parameters if w.grad is not None]
+            norms[term.name] = float(torch.stack(squares).sum().sqrt())
+        self.generator.set_state(state)
+        return norms
 
     @property
     def progress(self) -> float:
@@ -141,7 +175,7 @@ class Loop:
 
     def weights(self, progress: float) -> dict[Term, float]:
         """Of all terms."""
-        return {term: schedule(progress) for term, schedule in self.method.terms.items()}
+        return {term: schedule(progress) for term, schedule in self.schedules.items()}
 
     def count(self, progress: float) -> int:
         """Points of each domain: few at first, when any show the way, many when only the noise is left.
@@ -155,7 +189,8 @@ class Loop:
     def outline(self, progress: float) -> Outline:
         """Of the step at `progress`."""
         active = frozenset(term for term, weight in self.weights(progress).items() if weight > 0.0)
-        return Outline(self.count(progress), tuple(self.method.terms), active)
+        moment = progress if self.moves else 0.0
+        return Outline(self.count(progress), tuple(self.method.terms), active, moment)
 
     def shares(self, progress: float) -> dict[Term, float]:
         """Each term's weight over the number of its points."""
@@ -169,7 +204,8 @@ class Loop:
 
     def differentiate(self, outline: Outline, shares: Mapping[Term, Factor]) -> Float[Tensor, "terms *m"]:
         """Add the loss's gradient at fresh draws to the field's; the sums of every term's residuals."""
-        pieces = [Piece(parts, self.begin, shares, self.crew) for parts in self.pieces(outline)]
+        begin = functools.partial(self.begin, self.present(outline.progress))
+        pieces = [Piece(parts, begin, shares, self.crew) for parts in self.pieces(outline)]
         through(self.crew, pieces, TOGETHER)
         sums = dict.fromkeys(self.method.terms, self.parameters[0].detach().new_zeros(self.members))
         for piece in pieces:
@@ -192,7 +228,10 @@ class Loop:
     def plan(self, outline: Outline) -> list[Part]:
         """Fresh draws as they are to be evaluated."""
         drawn = self.draws(outline.count, self.generator)
-        samples = {name: sample.to(self.device) for name, sample in drawn.items()}
+        samples = {
+            name: dataclasses.replace(sample.to(self.device), progress=outline.progress)
+            for name, sample in drawn.items()
+        }
         return [
             Part(samples[span.domain][span.start : span.end], span.order, span.terms)
             for span in outline.spans()
@@ -211,11 +250,15 @@ class Loop:
         chunk = max(1, self.chunk // math.prod(self.members))
         return cut(self.plan(outline), self.crew.size, chunk)
 
-    def begin(self, points: Tensor, order: int, angles: Tensor) -> Evaluation:
+    def present(self, progress: float) -> Calculus:
+        """The calculus of the step at `progress`."""
+        return self.calculus.at(progress) if isinstance(self.calculus, Progressive) else self.calculus
+
+    def begin(self, calculus: Calculus, points: Tensor, order: int, angles: Tensor) -> Evaluation:
         """A jet before it is worked out."""
-        if isinstance(self.calculus, Staged):
-            return self.calculus.begin(points, order, angles)
-        return Taped(self.calculus, self.parameters, points, order, angles)
+        if isinstance(calculus, Staged):
+            return calculus.begin(points, order, angles)
+        return Taped(calculus, self.parameters, points, order, angles)
 
 
 def run(loop: Loop, each: Callable[[Record, float], None], stop: Callable[[], bool] = lambda: False) -> bool:

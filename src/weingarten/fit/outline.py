@@ -22,11 +22,13 @@ class Outline:
     """All that decides which operations a step consists of.
 
     count: points of each domain. terms: of the loss. active: those of them with a weight above zero.
+    progress: t, where a term or the calculus is another one at every step; else 0.
     """
 
     count: int
     terms: tuple[Term, ...]
     active: frozenset[Term]
+    progress: float = 0.0
 
     def spans(self) -> list[Span]:
         """The domains, each cut where an active term's share of it ends."""

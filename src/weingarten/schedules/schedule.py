@@ -78,6 +78,10 @@ class Schedule:
         """The greatest weight at a knot."""
         return max(weight for _, weight in self.knots)
 
+    def begin(self, term: str, seed: int, noise: float) -> "Schedule":
+        """Itself: a pure function is every fit's own. As `weingarten.schedules.weight.Adapted` has it."""
+        return self
+
     def peaking(self, weight: float) -> "Schedule":
         """The same schedule scaled to that greatest weight; one that is zero throughout stays so."""
         factor = weight / self.greatest if self.greatest > 0.0 else 0.0

@@ -25,7 +25,7 @@ class Term:
 
     name: how figures and the loss curve call it. order: the jet's order that `residual` reads.
     shares: by domain, how much of its points is taken, the first ones: a mean over fewer, where the order is
-    dear. All of them unless given.
+    dear. All of them unless given. moving: whether the residual asks for the sample's progress.
     """
 
     name: str
@@ -33,6 +33,7 @@ class Term:
     domains: tuple[str, ...]
     order: int
     shares: tuple[float, ...] | None = None
+    moving: bool = False
 
     def __call__(
         self,
