@@ -2,6 +2,7 @@
 
 import pytest
 
+from weingarten.calculus.jet import Progressive
 from weingarten.errors import OptionError
 from weingarten.schedules.schedule import DECREASING, INCREASING, SCHEDULES
 from weingarten.settings import PRESETS, Settings, resolve
@@ -60,3 +61,27 @@ def test_settings_survive_a_file(preset):
 def test_values_out_of_range(wrong):
     with pytest.raises(OptionError):
         resolve(**wrong)
+
+
+def test_any_terms_weight_can_be_scheduled():
+    settings = resolve(term="eikonal", schedule="linear")
+    terms = {term.name: weight for term, weight in settings.resolved_method().terms.items()}
+    assert [terms["eikonal"](t) for t in (0.0, 0.35, 0.5)] == pytest.approx([50.0, 25.0025, 0.005])
+    assert terms["off_diagonal_weingarten"].greatest == 3.0
+    with pytest.raises(OptionError, match="no term 'nope'; choose one of dirichlet"):
+        resolve(term="nope")
+
+
+def test_a_stencils_distance_can_be_scheduled():
+    settings = resolve(method="odw-fd", stencil=((0.0, 0.1), (1.0, 0.01)))
+    assert Settings.from_dict(settings.as_dict()) == settings
+    assert resolve(method="odw-fd").stencil == ((0.0, 0.05),)
+    field = settings.field()
+    calculus = settings.resolved_method().calculus(field)
+    assert isinstance(calculus, Progressive)
+    assert calculus.at(0.5).step == pytest.approx(0.055)
+    assert not isinstance(resolve(method="odw-fd").resolved_method().calculus(field), Progressive)
+    with pytest.raises(OptionError, match="no stencil"):
+        resolve(method="odw", stencil=((0.0, 0.1),))
+    with pytest.raises(OptionError, match="above zero"):
+        resolve(method="odw-fd", stencil=((0.0, 0.1), (1.0, 0.0))).resolved_method().calculus(field)

@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 import torch
 from torch import nn
 
-from weingarten.calculus.choice import exact
-from weingarten.calculus.finite_difference import FiniteDifference
+from weingarten.calculus.choice import Differences, exact
 from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
 from weingarten.fields.siren import Siren
 from weingarten.scan.knowledge import Knowledge, positions_alone, signs_of_free_space
 from weingarten.schedules.adaptive import ADAPTIVE
-from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
+from weingarten.schedules.schedule import SCHEDULES, Knots, Schedule, constant
 from weingarten.schedules.weight import Adapted, Weight
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
@@ -23,17 +22,12 @@ from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.term import Term
 
 
-def finite_difference(field: nn.Module) -> Calculus:
-    """Tangent blocks by the six-point stencil at the authors' h = 0.05; values and gradients exact."""
-    return FiniteDifference(exact(field), step=0.05)
-
-
 @dataclass(frozen=True)
 class Method:
     """A loss Σ weight(t) · mean residual, the field that it is of, and the calculus that feeds its terms.
 
     knowledge: what is known of the points that are drawn. field: from width, depth, ω₀ of the preset, and the
-    generator. scheduled: the term whose weight `--schedule` and `--knots` set.
+    generator. scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise.
     """
 
     name: str
@@ -43,6 +37,26 @@ class Method:
     scheduled: Term = OFF_DIAGONAL_WEINGARTEN
     knowledge: Knowledge = positions_alone
     field: Callable[[int, int, float, torch.Generator | None], nn.Module] = Siren
+
+    def scheduling(self, name: str) -> "Method":
+        """The same method with another scheduled term. Raises OptionError for one that it has not."""
+        found = {term.name: term for term in self.terms}
+        if name not in found:
+            raise OptionError(f"Method {self.name} has no term {name!r}; choose one of {', '.join(found)}.")
+        return replace(self, scheduled=found[name])
+
+    @property
+    def step(self) -> Knots:
+        """Distances of its stencil over progress; none where it has no stencil."""
+        return self.calculus.step.knots if isinstance(self.calculus, Differences) else ()
+
+    def with_step(self, knots: Knots) -> "Method":
+        """The same method with its stencil at other distances. Raises OptionError where it has none."""
+        if knots == self.step:
+            return self
+        if not isinstance(self.calculus, Differences):
+            raise OptionError(f"Method {self.name} has no stencil, so no distance of it can be set.")
+        return replace(self, calculus=self.calculus.with_step(Schedule("linear", knots)))
 
     @property
     def schedule(self) -> Weight:
@@ -95,13 +109,13 @@ METHODS = {
         Method(
             "odw-fd",
             RECIPE_TERMS,
-            finite_difference,
+            Differences(),
             "arXiv 2506.16627 (FlatCAD-FD), signs from free space",
             FEW_ODW,
             signs_of_free_space,
         ),
         Method("odw-paper", PAPER_TERMS, exact, "arXiv 2511.03147, to the letter"),
-        Method("odw-paper-fd", PAPER_TERMS, finite_difference, "arXiv 2511.03147 by finite differences"),
+        Method("odw-paper-fd", PAPER_TERMS, Differences(), "arXiv 2511.03147 by finite differences"),
     )
 }
 

@@ -16,6 +16,8 @@ from weingarten.schedules.weight import weight_of
 class Settings:
     """Every choice of a fit, resolved; two fits with equal settings, points and device give the same mesh.
 
+    term: the one whose weight has this shape and these knots.
+    stencil: distances of the method's stencil over progress, unit lengths, if it has one.
     steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
     first step and at the last, in stages between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
@@ -25,8 +27,10 @@ class Settings:
 
     preset: str
     method: str
+    term: str
     shape: str
     knots: Knots
+    stencil: Knots
     seed: int
     steps: int
     points: int
@@ -41,8 +45,9 @@ class Settings:
     resolution: int
 
     def resolved_method(self) -> Method:
-        """The method's row with this fit's schedule."""
-        return method_named(self.method).with_schedule(weight_of(self.shape, self.knots))
+        """The method's row with this fit's schedule and stencil."""
+        row = method_named(self.method).with_step(self.stencil).scheduling(self.term)
+        return row.with_schedule(weight_of(self.shape, self.knots))
 
     def field(self, generator: torch.Generator | None = None) -> nn.Module:
         """The method's field at this fit's size, with first weights drawn from the generator."""
@@ -50,13 +55,16 @@ class Settings:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, knots as [time, weight] pairs."""
-        return asdict(self) | {"knots": [list(knot) for knot in self.knots], "ramp": list(self.ramp)}
+        lists = {"knots": self.knots, "stencil": self.stencil}
+        plain: dict[str, Any] = {name: [list(knot) for knot in knots] for name, knots in lists.items()}
+        return asdict(self) | plain | {"ramp": list(self.ramp)}
 
     @classmethod
     def from_dict(cls, values: dict) -> "Settings":
         """The inverse of as_dict. Raises KeyError or TypeError for anything else."""
         known: dict[str, Any] = {field.name: values[field.name] for field in fields(cls)}
-        known["knots"] = tuple((float(time), float(weight)) for time, weight in values["knots"])
+        for name in ("knots", "stencil"):
+            known[name] = tuple((float(time), float(value)) for time, value in values[name])
         known["ramp"] = (float(values["ramp"][0]), float(values["ramp"][1]))
         return cls(**known)
 
@@ -64,8 +72,10 @@ class Settings:
 STANDARD = Settings(
     preset="standard",
     method="odw",
+    term=METHODS["odw"].scheduled.name,
     shape="quintic",
     knots=METHODS["odw"].schedule.knots,
+    stencil=(),
     seed=0,
     steps=650,
     points=1000,
@@ -103,6 +113,8 @@ def resolve(
     method: str | None = None,
     schedule: str | None = None,
     knots: Knots | None = None,
+    term: str | None = None,
+    stencil: Knots | None = None,
     seed: int = 0,
     steps: int | None = None,
     points: int | None = None,
@@ -112,18 +124,24 @@ def resolve(
 
     schedule: a name of schedules.SCHEDULES, scaled to the method's greatest weight unless knots are given.
     knots: (time, weight) pairs; without a schedule's name they go with the method's own shape.
+    term: the name of the term whose weight these are; by default the method's curvature term.
+    stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.
     Raises OptionError for an unknown name or a value out of range.
     """
     if preset not in PRESETS:
         raise OptionError(f"There is no preset {preset!r}; choose one of {', '.join(PRESETS)}.")
     base = PRESETS[preset]
     row = method_named(method or base.method)
+    row = row if term is None else row.scheduling(term)
+    row = row if stencil is None else row.with_step(stencil)
     weight = row.schedule if schedule is None else row.named_schedule(schedule)
     if knots is not None:
         weight = weight_of(weight.shape, knots)
     settings = replace(
         base,
         method=row.name,
+        term=row.scheduled.name,
+        stencil=row.step,
         shape=weight.shape,
         knots=weight.knots,
         seed=seed,

@@ -6,10 +6,10 @@ from hypothesis import strategies as st
 
 from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
+from weingarten.calculus.choice import Differences, exact
 from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
-from weingarten.methods import exact, finite_difference
 
 OUTPUTS = {VALUE: 1, GRADIENT: 2, TANGENT: 5}
 
@@ -81,9 +81,9 @@ def test_autograd_agrees():
 
 def test_the_stencil_is_that_of_the_members():
     fields, (points, angles) = sirens(3, 16, 3), draw(20, 3)
-    jet = finite_difference(Ensemble.of(fields))(points, TANGENT, angles)
+    jet = Differences()(Ensemble.of(fields))(points, TANGENT, angles)
     for i, field in enumerate(fields):
-        own = finite_difference(field)(points[:, i], TANGENT, angles[:, i])
+        own = Differences()(field)(points[:, i], TANGENT, angles[:, i])
         for one, other in zip(outputs(jet, TANGENT), outputs(own, TANGENT), strict=True):
             torch.testing.assert_close(one[:, i], other, rtol=1e-9, atol=1e-8)
 

@@ -42,7 +42,8 @@ def lineup(
 def neural(method: str, schedule: str, budget: Settings, weight: float | None, oracle: bool) -> Neural:
     """One method under one schedule."""
     own = resolve(budget.preset, method=method, schedule=None if schedule == OWN else schedule)
-    settings = replace(budget, method=own.method, shape=own.shape, knots=own.knots)
+    changed = {name: getattr(own, name) for name in ("method", "term", "shape", "knots", "stencil")}
+    settings = replace(budget, **changed)
     if schedule == OWN:
         return Neural(method, settings, oracle)
     label = f"{method}-{schedule}"

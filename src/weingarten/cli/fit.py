@@ -35,6 +35,8 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     )
     verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP)
     verb.add_argument("--knots", metavar="T:W,...", help="times in [0,1] and weights (default: schedule's)")
+    verb.add_argument("--term", metavar="NAME", help="whose weight this is (default: the curvature term's)")
+    verb.add_argument("--stencil", metavar="T:H,...", help="distances of a method by finite differences")
     verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
     verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
     verb.add_argument(
@@ -90,6 +92,8 @@ def run(arguments: argparse.Namespace) -> int:
         method=arguments.method,
         schedule=arguments.schedule,
         knots=None if arguments.knots is None else parse_knots(arguments.knots),
+        term=arguments.term,
+        stencil=None if arguments.stencil is None else parse_knots(arguments.stencil),
         seed=arguments.seed,
         steps=arguments.steps,
         points=arguments.points_per_step,
@@ -161,6 +165,8 @@ def repeated(arguments: argparse.Namespace) -> str:
         "method",
         "schedule",
         "knots",
+        "term",
+        "stencil",
         "steps",
         "points_per_step",
         "resolution",

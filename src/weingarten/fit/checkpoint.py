@@ -20,7 +20,7 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.settings import Settings
 
-FORMAT = "weingarten-3"
+FORMAT = "weingarten-4"
 
 KEPT = "kept."
 """Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
@@ -117,7 +117,7 @@ def load(path: Path) -> Checkpoint:
         origin = Origin(
             settings, frame, header["fingerprint"], tuple(header["lower"]), tuple(header["upper"])
         )
-        return Checkpoint(origin, int(header["step"]), tensors, header["extra"], header.get("adaptive", {}))
+        return Checkpoint(origin, int(header["step"]), tensors, header["extra"], header["adaptive"])
     except (SafetensorError, OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise CheckpointError(f"{path} is corrupted ({error}); delete it and start the fit anew.") from error
 

@@ -23,8 +23,10 @@ MEANINGS = {
 """What flags say, without the role that they begin with; see `weingarten.metrics.findings`."""
 LABELS = {
     "points": "points per step",
+    "term": "scheduled term",
     "shape": "schedule",
     "knots": "weight, t : w",
+    "stencil": "stencil, t : h",
     "rate": "learning rate",
     "decay": "decay of the rate",
     "ramp": "points, first and last step",
@@ -182,7 +184,7 @@ def settings(found: Sequence[Result], names: Sequence[str]) -> Settings:
 
 def in_words(key: str, value: Any) -> str:
     """A setting's value; knots as time:weight."""
-    if key == "knots" and isinstance(value, list):
+    if key in ("knots", "stencil") and isinstance(value, list):
         return ", ".join(" : ".join(f"{number:g}" for number in knot) for knot in value)
     if isinstance(value, bool):
         return "yes" if value else "no"
