@@ -7,19 +7,30 @@ import torch
 from torch import nn
 
 from weingarten.calculus.choice import Differences, exact
+from weingarten.calculus.finite_difference import CROSS
 from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
 from weingarten.fields.siren import Siren
 from weingarten.scan.knowledge import Knowledge, positions_alone, signs_of_free_space
+from weingarten.scan.sample import OFF_SURFACE, SURFACE
 from weingarten.schedules.adaptive import ADAPTIVE
 from weingarten.schedules.schedule import SCHEDULES, Knots, Schedule, constant
 from weingarten.schedules.weight import Adapted, Weight
+from weingarten.terms.curriculum import CURRICULUM_FREE_SPACE, CURRICULUM_SURFACE
 from weingarten.terms.dirichlet import DIRICHLET
+from weingarten.terms.divergence import DIVERGENCE_CLAMPED
 from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
 from weingarten.terms.free_space import FREE_SPACE
-from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN
+from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
+from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
+from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
+from weingarten.terms.principal_curvature import SMALLER_CURVATURE
+from weingarten.terms.singular_hessian import SINGULAR_HESSIAN
 from weingarten.terms.term import Term
+
+Differentiation = Callable[[nn.Module], Calculus]
+FieldMaker = Callable[[int, int, float, torch.Generator | None], nn.Module]
 
 
 @dataclass(frozen=True)
@@ -32,11 +43,11 @@ class Method:
 
     name: str
     terms: dict[Term, Weight]
-    calculus: Callable[[nn.Module], Calculus]
+    calculus: Differentiation
     source: str
     scheduled: Term = OFF_DIAGONAL_WEINGARTEN
     knowledge: Knowledge = positions_alone
-    field: Callable[[int, int, float, torch.Generator | None], nn.Module] = Siren
+    field: FieldMaker = Siren
 
     def scheduling(self, name: str) -> "Method":
         """The same method with another scheduled term. Raises OptionError for one that it has not."""
@@ -77,47 +88,113 @@ class Method:
         return SCHEDULES[name].peaking(self.schedule.greatest)
 
 
-PAPER_TERMS: dict[Term, Weight] = {
-    DIRICHLET: constant(7000.0),
-    OFF_SURFACE_TERM: constant(600.0),
-    EIKONAL: constant(50.0),
-    OFF_DIAGONAL_WEINGARTEN: SCHEDULES["quintic"],
-}
-FEW_EIKONAL = replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0))
-FEW_ODW = replace(OFF_DIAGONAL_WEINGARTEN, shares=(0.125,))
-"""The dear terms on fewer points: the same mean, and its noise is not what limits a fit."""
-
-RECIPE_TERMS: dict[Term, Weight] = {
+FIRST_ORDER: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
     OFF_SURFACE_TERM: constant(100.0),
     FREE_SPACE: constant(1000.0),
-    FEW_EIKONAL: constant(50.0),
-    FEW_ODW: Schedule("quintic", ((0.0, 3.0), (0.1, 3.0), (0.3, 0.0))),
+    replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0)): constant(50.0),
 }
+"""Of the recipe: the dear terms on fewer points, for the same mean; its noise is not what limits a fit."""
+
+PAPER_FIRST_ORDER: dict[Term, Weight] = {
+    DIRICHLET: constant(7000.0),
+    OFF_SURFACE_TERM: constant(600.0),
+    EIKONAL: constant(50.0),
+}
+CODE_FIRST_ORDER: dict[Term, Weight] = {
+    DIRICHLET: constant(7000.0),
+    OFF_SURFACE_TERM: constant(600.0),
+    EIKONAL_ABSOLUTE: constant(50.0),
+}
+"""Of arXiv 2511.03147 as written, and of the codes that it comes from."""
+
+SIREN_EIKONAL = replace(EIKONAL_ABSOLUTE, domains=(SURFACE, OFF_SURFACE))
+SIREN_FIRST_ORDER: dict[Term, Weight] = {
+    DIRICHLET: constant(3000.0),
+    OFF_SURFACE_TERM: constant(100.0),
+    SIREN_EIKONAL: constant(50.0),
+}
+"""Of SIREN without normals, DiGS and StEik."""
+
+EARLY = Schedule("quintic", ((0.0, 1.0), (0.1, 1.0), (0.3, 0.0)))
+"""The recipe's: gone at 30 % of the fit."""
+
+
+def recipe(name: str, term: Term, weight: float, calculus: Differentiation, source: str) -> Method:
+    """Our recipe with some curvature term: signs from free space, the term on few points and early."""
+    few = replace(term, shares=(0.125,))
+    terms = {**FIRST_ORDER, few: EARLY.peaking(weight)}
+    return Method(name, terms, calculus, source, few, signs_of_free_space)
+
+
+def published(
+    name: str,
+    first_order: dict[Term, Weight],
+    term: Term,
+    weight: Weight,
+    calculus: Differentiation,
+    source: str,
+) -> Method:
+    """A method as its authors have it: nothing known but the points, the term on all of its points."""
+    return Method(name, {**first_order, term: weight}, calculus, source, term)
+
+
+ODW, FRAME_FREE, GAUSSIAN = OFF_DIAGONAL_WEINGARTEN, FRAME_FREE_WEINGARTEN, GAUSSIAN_CURVATURE
+FLATCAD, CROSS_WIDE, CROSS_NARROW = Differences(), Differences(CROSS, constant(0.1)), Differences(CROSS)
+"""The stencils of FlatCAD, and of arXiv 2511.08980 for Gaussian curvature and for rank deficiency."""
+
+QUINTIC, LINEAR, TEN = SCHEDULES["quintic"], SCHEDULES["linear"], constant(10.0)
+ANNEALED = Schedule("linear", ((0.0, 5.0), (0.2, 5.0), (0.4, 0.001), (1.0, 0.0)))
+"""Weights: this paper's, NeurCADRecon's, FlatCAD's and Neural-Singular-Hessian's."""
+
+NSH_FIRST_ORDER: dict[Term, Weight] = {
+    DIRICHLET: constant(7000.0),
+    OFF_SURFACE_TERM: constant(600.0),
+    replace(EIKONAL_ABSOLUTE, domains=(SURFACE,)): constant(50.0),
+}
+CURRICULUM: dict[Term, Weight] = {
+    CURRICULUM_SURFACE: constant(7000.0),
+    OFF_SURFACE_TERM: constant(100.0),
+    CURRICULUM_FREE_SPACE: constant(1000.0),
+    replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0)): constant(50.0),
+}
+FEW_ODW = replace(ODW, shares=(0.125,))
 
 METHODS = {
     method.name: method
     for method in (
+        recipe("odw", ODW, 3.0, exact, "arXiv 2511.03147"),
+        recipe("odw-fd", ODW, 3.0, FLATCAD, "arXiv 2506.16627 (FlatCAD-FD)"),
+        recipe("frame-free", FRAME_FREE, 3.0, exact, "ours: the mean over all frames"),
+        recipe("smaller-curvature", SMALLER_CURVATURE, 3.0, exact, "ours: flat in one direction"),
+        recipe("gaussian", GAUSSIAN, 3.0, exact, "arXiv 2404.13420 (NeurCADRecon)"),
+        recipe("gaussian-fd", GAUSSIAN, 3.0, CROSS_WIDE, "arXiv 2511.08980"),
+        recipe("double-trough", DOUBLE_TROUGH, 3.0, exact, "arXiv 2404.13420 (NeurCADRecon)"),
+        recipe("singular-hessian", SINGULAR_HESSIAN, 1.5, exact, "arXiv 2309.01793"),
+        recipe("divergence", DIVERGENCE_CLAMPED, 30.0, exact, "arXiv 2106.10811 (DiGS)"),
+        recipe("normal-divergence", NORMAL_DIVERGENCE, 3.0, exact, "arXiv 2305.18414 (StEik)"),
         Method(
-            "odw",
-            RECIPE_TERMS,
+            "curriculum",
+            {**CURRICULUM, FEW_ODW: EARLY.peaking(3.0)},
             exact,
-            "arXiv 2511.03147 with signs from free space",
+            "arXiv 2003.08593 (Curriculum DeepSDF)",
             FEW_ODW,
             signs_of_free_space,
         ),
-        Method(
-            "odw-fd",
-            RECIPE_TERMS,
-            Differences(),
-            "arXiv 2506.16627 (FlatCAD-FD), signs from free space",
-            FEW_ODW,
-            signs_of_free_space,
+        Method("siren", SIREN_FIRST_ORDER, exact, "arXiv 2006.09661, without normals", SIREN_EIKONAL),
+        published("odw-paper", PAPER_FIRST_ORDER, ODW, QUINTIC, exact, "arXiv 2511.03147"),
+        published("odw-paper-fd", PAPER_FIRST_ORDER, ODW, QUINTIC, FLATCAD, "arXiv 2511.03147"),
+        published("flatcad", CODE_FIRST_ORDER, ODW, TEN, exact, "arXiv 2506.16627"),
+        published("flatcad-fd", CODE_FIRST_ORDER, ODW, TEN, FLATCAD, "arXiv 2506.16627"),
+        published("neurcadrecon", CODE_FIRST_ORDER, GAUSSIAN_CURVATURE, LINEAR, exact, "arXiv 2404.13420"),
+        published("neurcadrecon-trough", CODE_FIRST_ORDER, DOUBLE_TROUGH, LINEAR, exact, "arXiv 2404.13420"),
+        published(
+            "neurcadrecon-fd", CODE_FIRST_ORDER, GAUSSIAN_CURVATURE, LINEAR, CROSS_WIDE, "arXiv 2511.08980"
         ),
-        Method("odw-paper", PAPER_TERMS, exact, "arXiv 2511.03147, to the letter"),
-        Method("odw-paper-fd", PAPER_TERMS, Differences(), "arXiv 2511.03147 by finite differences"),
+        published("nsh-fd", NSH_FIRST_ORDER, GAUSSIAN_CURVATURE, ANNEALED, CROSS_NARROW, "arXiv 2511.08980"),
     )
 }
+"""Our recipe with one curvature term after another, then methods as their authors have them."""
 
 
 def method_named(name: str) -> Method:

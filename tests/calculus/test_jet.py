@@ -94,6 +94,18 @@ def test_a_jet_says_what_it_lacks(order):
             _ = jet.slope
 
 
+def test_a_linear_field_has_a_hessian_of_zero():
+    """Its gradient is a constant, which autograd does not differentiate."""
+
+    class Linear(torch.nn.Module):
+        def forward(self, points):
+            return points @ points.new_tensor([1.0, 2.0, -2.0])
+
+    jet = Autodiff(Linear())(torch.rand(5, 3), HESSIAN)
+    assert torch.equal(jet.hessian, torch.zeros(5, 3, 3))
+    assert torch.equal(jet.slope, torch.tensor([1.0, 2.0, -2.0]).expand(5, 3))
+
+
 def test_a_critical_point_has_a_finite_shape_operator():
     one = torch.ones(1)
     s11, _, _ = Jet(one, torch.zeros(1, 3), one, one, one).shape_operator

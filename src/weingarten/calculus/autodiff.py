@@ -37,6 +37,8 @@ class Autodiff:
 
 def differentiate(values: Float[Tensor, "n *m"], points: Float[Tensor, "n *m 3"]) -> Float[Tensor, "n *m 3"]:
     """∂ values_i / ∂ points_i, itself differentiable; zero where the values do not depend on the points."""
+    if not values.requires_grad:
+        return torch.zeros_like(points)
     (gradient,) = torch.autograd.grad(
         values.sum(), points, create_graph=True, allow_unused=True, materialize_grads=True
     )

@@ -30,9 +30,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("cloud", metavar="CLOUD", type=Path, help="points to fit; normals are ignored")
     verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
     verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
-    verb.add_argument(
-        "--method", metavar="NAME", help="odw, odw-fd, odw-paper, odw-paper-fd (default: preset's)"
-    )
+    verb.add_argument("--method", metavar="NAME", help=METHOD_HELP)
     verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP)
     verb.add_argument("--knots", metavar="T:W,...", help="times in [0,1] and weights (default: schedule's)")
     verb.add_argument("--term", metavar="NAME", help="whose weight this is (default: the curvature term's)")
@@ -64,6 +62,10 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.set_defaults(run=run)
 
 
+METHOD_HELP = (
+    "odw, odw-fd, frame-free, smaller-curvature, gaussian, singular-hessian, divergence, odw-paper, flatcad, "
+    "neurcadrecon and others, see README.md (default: preset's)"
+)
 SCHEDULE_HELP = (
     "constant, linear, quintic, step, step-next, increasing or none; or a weight that follows the losses, "
     "kendall, gradnorm, dtp, softadapt, relobralo or discrepancy (default: method's)"

@@ -28,15 +28,15 @@ ITERATIONS = 4
 
 
 class Field(nn.Module):
-    """An exact field as the module that `Autodiff` differentiates, twice even where it is linear."""
+    """An exact field as the module that `Autodiff` differentiates."""
 
     def __init__(self, shape: Shape) -> None:
         super().__init__()
         self.shape = shape
 
     def forward(self, points: Float[Tensor, "n 3"]) -> Float[Tensor, " n"]:
-        """The field at the points; 0·‖x‖² keeps a graph for the second derivatives of a plane."""
-        return self.shape(points) + 0.0 * (points * points).sum(-1)
+        """The field at the points."""
+        return self.shape(points)
 
 
 @dataclass(frozen=True)

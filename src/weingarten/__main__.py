@@ -1,0 +1,5 @@
+"""`python -m weingarten`: the command."""
+
+from weingarten.cli.main import command
+
+command()
