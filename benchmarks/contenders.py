@@ -1,4 +1,4 @@
-"""Who takes part in `step.py`: a name for each, what it is called in the table, and how to take its step.
+"""Who takes part in `step.py` and `methods.py`: a name for each, its row's label, and how to take its step.
 
 All fit the bundled flange, 30,000 points. Torch is imported only when a contender is made.
 """
@@ -115,3 +115,8 @@ CONTENDERS = {
 }
 HEAVY = ("baseline", "hessian")
 """Those that need many gigabytes."""
+
+
+def contender(name: str) -> Contender:
+    """One of CONTENDERS, or the paper preset's step by any other method of the package."""
+    return CONTENDERS[name] if name in CONTENDERS else Contender(name, paper(name))

@@ -1,92 +1,30 @@
 """Every method is a row: which terms, under which schedules, differentiated how, and where it comes from."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import torch
-from torch import nn
-
-from weingarten.calculus.choice import Differences, exact
+from weingarten.calculus.choice import Differences, central_gradients, exact
 from weingarten.calculus.finite_difference import CROSS
-from weingarten.calculus.jet import Calculus
 from weingarten.errors import OptionError
+from weingarten.fields.choice import FieldMaker, hash_grid, quadratic_siren, softplus_net, sphere_siren
 from weingarten.fields.siren import Siren
-from weingarten.scan.knowledge import Knowledge, positions_alone, signs_of_free_space
+from weingarten.method import Differentiation, Method
+from weingarten.scan.knowledge import signs_of_free_space, unsigned_distances
 from weingarten.scan.sample import OFF_SURFACE, SURFACE
-from weingarten.schedules.adaptive import ADAPTIVE
-from weingarten.schedules.schedule import SCHEDULES, Knots, Schedule, constant
-from weingarten.schedules.weight import Adapted, Weight
+from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
+from weingarten.schedules.weight import Weight
 from weingarten.terms.curriculum import CURRICULUM_FREE_SPACE, CURRICULUM_SURFACE
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.divergence import DIVERGENCE_CLAMPED
-from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
+from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM
 from weingarten.terms.free_space import FREE_SPACE
 from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
 from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
 from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.principal_curvature import SMALLER_CURVATURE
+from weingarten.terms.sign_agnostic import SIGN_AGNOSTIC
 from weingarten.terms.singular_hessian import SINGULAR_HESSIAN
 from weingarten.terms.term import Term
-
-Differentiation = Callable[[nn.Module], Calculus]
-FieldMaker = Callable[[int, int, float, torch.Generator | None], nn.Module]
-
-
-@dataclass(frozen=True)
-class Method:
-    """A loss Σ weight(t) · mean residual, the field that it is of, and the calculus that feeds its terms.
-
-    knowledge: what is known of the points that are drawn. field: from width, depth, ω₀ of the preset, and the
-    generator. scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise.
-    """
-
-    name: str
-    terms: dict[Term, Weight]
-    calculus: Differentiation
-    source: str
-    scheduled: Term = OFF_DIAGONAL_WEINGARTEN
-    knowledge: Knowledge = positions_alone
-    field: FieldMaker = Siren
-
-    def scheduling(self, name: str) -> "Method":
-        """The same method with another scheduled term. Raises OptionError for one that it has not."""
-        found = {term.name: term for term in self.terms}
-        if name not in found:
-            raise OptionError(f"Method {self.name} has no term {name!r}; choose one of {', '.join(found)}.")
-        return replace(self, scheduled=found[name])
-
-    @property
-    def step(self) -> Knots:
-        """Distances of its stencil over progress; none where it has no stencil."""
-        return self.calculus.step.knots if isinstance(self.calculus, Differences) else ()
-
-    def with_step(self, knots: Knots) -> "Method":
-        """The same method with its stencil at other distances. Raises OptionError where it has none."""
-        if knots == self.step:
-            return self
-        if not isinstance(self.calculus, Differences):
-            raise OptionError(f"Method {self.name} has no stencil, so no distance of it can be set.")
-        return replace(self, calculus=self.calculus.with_step(Schedule("linear", knots)))
-
-    @property
-    def schedule(self) -> Weight:
-        """The weight of the scheduled term."""
-        return self.terms[self.scheduled]
-
-    def with_schedule(self, schedule: Weight) -> "Method":
-        """The same method with another weight of its scheduled term."""
-        return replace(self, terms={**self.terms, self.scheduled: schedule})
-
-    def named_schedule(self, name: str) -> Weight:
-        """The schedule or adaptive weight of that name, scaled to this method's greatest weight."""
-        if name in ADAPTIVE:
-            return Adapted(name, constant(self.schedule.greatest))
-        if name not in SCHEDULES:
-            known = ", ".join((*SCHEDULES, *ADAPTIVE))
-            raise OptionError(f"There is no schedule {name!r}; choose one of {known}.")
-        return SCHEDULES[name].peaking(self.schedule.greatest)
-
 
 FIRST_ORDER: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
@@ -109,7 +47,7 @@ CODE_FIRST_ORDER: dict[Term, Weight] = {
 """Of arXiv 2511.03147 as written, and of the codes that it comes from."""
 
 SIREN_EIKONAL = replace(EIKONAL_ABSOLUTE, domains=(SURFACE, OFF_SURFACE))
-SIREN_FIRST_ORDER: dict[Term, Weight] = {
+DIGS: dict[Term, Weight] = {
     DIRICHLET: constant(3000.0),
     OFF_SURFACE_TERM: constant(100.0),
     SIREN_EIKONAL: constant(50.0),
@@ -134,9 +72,10 @@ def published(
     weight: Weight,
     calculus: Differentiation,
     source: str,
+    field: FieldMaker = Siren,
 ) -> Method:
     """A method as its authors have it: nothing known but the points, the term on all of its points."""
-    return Method(name, {**first_order, term: weight}, calculus, source, term)
+    return Method(name, {**first_order, term: weight}, calculus, source, term, field=field)
 
 
 ODW, FRAME_FREE, GAUSSIAN = OFF_DIAGONAL_WEINGARTEN, FRAME_FREE_WEINGARTEN, GAUSSIAN_CURVATURE
@@ -146,6 +85,13 @@ FLATCAD, CROSS_WIDE, CROSS_NARROW = Differences(), Differences(CROSS, constant(0
 QUINTIC, LINEAR, TEN = SCHEDULES["quintic"], SCHEDULES["linear"], constant(10.0)
 ANNEALED = Schedule("linear", ((0.0, 5.0), (0.2, 5.0), (0.4, 0.001), (1.0, 0.0)))
 """Weights: this paper's, NeurCADRecon's, FlatCAD's and Neural-Singular-Hessian's."""
+
+VANISHING = Schedule("linear", ((0.0, 100.0), (0.2, 100.0), (0.4, 0.0)))
+"""Of the divergence; StEik's is a tenth of it."""
+
+COARSE_TO_FINE = Schedule("linear", ((0.0, 0.05), (0.5, 0.01)))
+GRID_STENCIL = Differences(step=COARSE_TO_FINE, inner=central_gradients)
+"""Over two cells of the coarsest grid at first, over one of the finest in the end."""
 
 NSH_FIRST_ORDER: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
@@ -159,6 +105,12 @@ CURRICULUM: dict[Term, Weight] = {
     replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0)): constant(50.0),
 }
 FEW_ODW = replace(ODW, shares=(0.125,))
+SOFTPLUS_RATE, GRID_RATE, CLAMPED_RATE = 30.0, 5.0, 0.3
+"""What fields other than a plain SIREN bear of the standard preset's steps, found on a bundled part. Beyond
+its bounds nothing brings the clamped divergence back, so that steps as long as a SIREN's ruin it."""
+
+IGR_TERMS: dict[Term, Weight] = {DIRICHLET: constant(1.0), EIKONAL_OF_NORM: constant(0.1)}
+SAL_TERMS: dict[Term, Weight] = {SIGN_AGNOSTIC: constant(1.0)}
 
 METHODS = {
     method.name: method
@@ -181,7 +133,53 @@ METHODS = {
             FEW_ODW,
             signs_of_free_space,
         ),
-        Method("siren", SIREN_FIRST_ORDER, exact, "arXiv 2006.09661, without normals", SIREN_EIKONAL),
+        replace(
+            recipe("hash-grid", ODW, 3.0, GRID_STENCIL, "Instant-NGP's field, Neuralangelo's stencil"),
+            field=hash_grid,
+            rate=GRID_RATE,
+        ),
+        Method(
+            "igr",
+            IGR_TERMS,
+            exact,
+            "arXiv 2002.10099, without normals",
+            EIKONAL_OF_NORM,
+            field=softplus_net,
+            rate=SOFTPLUS_RATE,
+        ),
+        Method(
+            "sal",
+            SAL_TERMS,
+            exact,
+            "arXiv 1911.10414",
+            SIGN_AGNOSTIC,
+            unsigned_distances,
+            softplus_net,
+            SOFTPLUS_RATE,
+        ),
+        replace(
+            published("digs", DIGS, DIVERGENCE_CLAMPED, VANISHING, exact, "arXiv 2106.10811", sphere_siren),
+            rate=CLAMPED_RATE,
+        ),
+        published(
+            "steik",
+            DIGS,
+            NORMAL_DIVERGENCE,
+            VANISHING.peaking(10.0),
+            exact,
+            "arXiv 2305.18414",
+            quadratic_siren,
+        ),
+        published(
+            "neural-singular-hessian",
+            NSH_FIRST_ORDER,
+            SINGULAR_HESSIAN,
+            ANNEALED,
+            exact,
+            "arXiv 2309.01793",
+            sphere_siren,
+        ),
+        Method("siren", DIGS, exact, "arXiv 2006.09661, without normals", SIREN_EIKONAL),
         published("odw-paper", PAPER_FIRST_ORDER, ODW, QUINTIC, exact, "arXiv 2511.03147"),
         published("odw-paper-fd", PAPER_FIRST_ORDER, ODW, QUINTIC, FLATCAD, "arXiv 2511.03147"),
         published("flatcad", CODE_FIRST_ORDER, ODW, TEN, exact, "arXiv 2506.16627"),

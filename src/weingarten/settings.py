@@ -7,7 +7,8 @@ import torch
 from torch import nn
 
 from weingarten.errors import OptionError
-from weingarten.methods import METHODS, Method, method_named
+from weingarten.method import Method
+from weingarten.methods import METHODS, method_named
 from weingarten.schedules.schedule import Knots
 from weingarten.schedules.weight import weight_of
 
@@ -119,6 +120,7 @@ def resolve(
     steps: int | None = None,
     points: int | None = None,
     resolution: int | None = None,
+    rate: float | None = None,
 ) -> Settings:
     """Settings from a preset's name and what is to differ from it.
 
@@ -126,6 +128,7 @@ def resolve(
     knots: (time, weight) pairs; without a schedule's name they go with the method's own shape.
     term: the name of the term whose weight these are; by default the method's curvature term.
     stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.
+    rate: the learning rate at its greatest; by default the preset's, times what the method's field bears.
     Raises OptionError for an unknown name or a value out of range.
     """
     if preset not in PRESETS:
@@ -145,6 +148,7 @@ def resolve(
         shape=weight.shape,
         knots=weight.knots,
         seed=seed,
+        rate=base.rate * row.rate if rate is None else rate,
         steps=base.steps if steps is None else steps,
         points=base.points if points is None else points,
         resolution=base.resolution if resolution is None else resolution,
@@ -153,6 +157,8 @@ def resolve(
     check_range("--steps", settings.steps, 1, 10_000_000)
     check_range("--points-per-step", settings.points, 1, 10_000_000)
     check_range("--resolution", settings.resolution, 8, 4096)
+    if not 0.0 < settings.rate <= 1.0:
+        raise OptionError(f"--rate must be above 0 and at most 1; got {settings.rate:g}.")
     return settings
 
 

@@ -101,6 +101,16 @@ def test_mesh_extracts_again_at_any_resolution(finished, tmp_path):
     assert len(read_mesh(tmp_path / "fine.ply").faces) > 2 * len(read_mesh(tmp_path / "same.stl").faces)
 
 
+@pytest.mark.parametrize("method", ["digs", "steik", "sal", "hash-grid"])
+def test_fields_of_every_kind_come_back_from_their_checkpoints(method, cloud, tmp_path):
+    words = ["--method", method, "--steps", "30", *SMALL, "--quiet"]
+    assert (
+        main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
+    )
+    assert main(["mesh", str(tmp_path / "run"), "-o", str(tmp_path / "b.stl"), "--resolution", "48"]) == 0
+    assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
+
+
 @pytest.mark.slow
 def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud, tmp_path):
     """Ten runs, each killed at a random step by signal 9 and resumed."""
@@ -200,6 +210,8 @@ def refused(words: list, folder: Path, capsys) -> str:
         (["--knots", "0:-1,1:0"], "negative"),
         (["--seed", "-1"], "--seed"),
         (["--steps", "0"], "--steps"),
+        (["--rate", "0"], "--rate"),
+        (["--rate", "nan"], "--rate"),
         (["--points-per-step", "0"], "--points-per-step"),
         (["--resolution", "2"], "--resolution"),
         (["--device", "gpu"], "auto"),

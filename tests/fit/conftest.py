@@ -7,13 +7,13 @@ import pytest
 import torch
 from scipy.spatial import KDTree
 
-from weingarten.fields.siren import Siren
 from weingarten.fit.loop import Loop
 from weingarten.fit.optimisers import adam, steady
 from weingarten.frame import Frame
 from weingarten.samples.parts import sample_part
-from weingarten.scan.draws import CloudDraws, SignedDraws
+from weingarten.scan.draws import CloudDraws, MeasuredDraws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.knowledge import unsigned_distances
 
 
 class InDouble:
@@ -28,8 +28,9 @@ class InDouble:
 
     @staticmethod
     def double(sample):
-        distance = None if sample.distance is None else sample.distance.double()
-        return replace(sample, points=sample.points.double(), distance=distance)
+        known = {name: getattr(sample, name) for name in ("distance", "unsigned")}
+        known = {name: value if value is None else value.double() for name, value in known.items()}
+        return replace(sample, points=sample.points.double(), **known)
 
 
 @pytest.fixture(scope="session")
@@ -50,12 +51,19 @@ def signed_draws(cloud):
     return SignedDraws(cloud, tree, FreeSpace.of(cloud, tree, 1.1), torch.Generator().manual_seed(0))
 
 
+@pytest.fixture(scope="session")
+def draws_for(cloud, signed_draws):
+    """From a method to draws that know what it asks for; signs, too, of methods that do not ask."""
+    measured = MeasuredDraws(cloud, KDTree(cloud), torch.Generator().manual_seed(0))
+    return lambda method: measured if method.knowledge is unsigned_distances else signed_draws
+
+
 @pytest.fixture
 def make_loop(draws):
     """Loops of the `paper` setting with another seed, size or anything else."""
 
     def make(method, *, draws=draws, seed=1, width=256, depth=5, double=False, **options):
-        field = Siren(width, depth, generator=torch.Generator().manual_seed(0))
+        field = method.field(width, depth, 30.0, torch.Generator().manual_seed(0))
         field = field.double() if double else field
         settings = {
             "draws": InDouble(draws) if double else draws,

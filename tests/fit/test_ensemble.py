@@ -97,7 +97,7 @@ def assert_equal_fits(joint, loops, steps, accuracy):
             assert (one - other).abs().max() <= accuracy * other.abs().max()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [name for name, row in METHODS.items() if row.field is Siren])
 @pytest.mark.parametrize("optimiser", [adam, muon])
 def test_a_fit_together_is_the_fits_alone(parts, method, optimiser):
     row = METHODS[method]

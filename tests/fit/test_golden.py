@@ -20,8 +20,8 @@ TOLERANCE = 1e-4
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_golden_loss_curve(make_loop, signed_draws, name, pytestconfig):
-    loop = make_loop(METHODS[name], draws=signed_draws, double=True, **SETTING)
+def test_golden_loss_curve(make_loop, draws_for, name, pytestconfig):
+    loop = make_loop(METHODS[name], draws=draws_for(METHODS[name]), double=True, **SETTING)
     curve = [loop.advance().loss for _ in range(50)]
     path = GOLDEN / f"{name}.json"
     if pytestconfig.getoption("regenerate_golden"):

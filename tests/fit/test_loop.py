@@ -26,10 +26,11 @@ def gradients(loop):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("chunk", [1, 7, 50])
-def test_pieces_add_up_to_the_whole(make_loop, signed_draws, method, chunk):
+def test_pieces_add_up_to_the_whole(make_loop, draws_for, method, chunk):
     results = []
     for size in (1000, chunk):
-        loop = make_loop(METHODS[method], draws=signed_draws, double=True, chunk=size, **SMALL)
+        draws = draws_for(METHODS[method])
+        loop = make_loop(METHODS[method], draws=draws, double=True, chunk=size, **SMALL)
         (means,) = loop.accumulate(0.0)
         results.append((means, gradients(loop)))
     (whole, expected), (pieces, found) = results

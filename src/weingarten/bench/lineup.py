@@ -20,8 +20,9 @@ def lineup(
 ) -> list[Contender]:
     """Every method under every schedule, as "METHOD-SCHEDULE" or, with its own schedule, "METHOD".
 
-    methods: names of METHODS, or "poisson", which has no schedule and comes once. schedules: names of
-    SCHEDULES, or "own". budget: everything else. weight: the greatest one of a named schedule, by default
+    methods: names of METHODS, with steps of their own where "@STEPS" follows, which stays in the contender's
+    name; or "poisson", which has no schedule and comes once. schedules: names of SCHEDULES, or "own".
+    budget: everything else. weight: the greatest one of a named schedule, by default
     the method's own greatest; it becomes part of the name, "odw-linear-w10". oracle: stop by the truth.
 
     Raises OptionError for a name that is unknown or comes twice.
@@ -41,9 +42,17 @@ def lineup(
 
 def neural(method: str, schedule: str, budget: Settings, weight: float | None, oracle: bool) -> Neural:
     """One method under one schedule."""
-    own = resolve(budget.preset, method=method, schedule=None if schedule == OWN else schedule)
-    changed = {name: getattr(own, name) for name in ("method", "term", "shape", "knots", "stencil")}
-    settings = replace(budget, **changed)
+    name, at, steps = method.partition("@")
+    if at and not steps.isdigit():
+        raise OptionError(f"Steps of a method are a number after the @, as in odw@400; got {method!r}.")
+    own = resolve(
+        budget.preset,
+        method=name,
+        schedule=None if schedule == OWN else schedule,
+        steps=int(steps) if at else budget.steps,
+    )
+    changed = ("method", "term", "shape", "knots", "stencil", "rate", "steps")
+    settings = replace(budget, **{field: getattr(own, field) for field in changed})
     if schedule == OWN:
         return Neural(method, settings, oracle)
     label = f"{method}-{schedule}"

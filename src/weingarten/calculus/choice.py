@@ -9,11 +9,13 @@ from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.central_gradient import CentralGradient
 from weingarten.calculus.coarse_to_fine import CoarseToFine
+from weingarten.calculus.composed import Composed
 from weingarten.calculus.finite_difference import DIAGONAL, FiniteDifference, Stencil
 from weingarten.calculus.jet import Calculus
 from weingarten.calculus.native import Native, suits
 from weingarten.fields.ensemble import Ensemble
 from weingarten.fields.siren import Siren
+from weingarten.fields.sphered import Sphered
 from weingarten.schedules.schedule import Schedule, constant
 
 AUTHORS_STEP = constant(0.05)
@@ -23,8 +25,10 @@ AUTHORS_STEP = constant(0.05)
 def exact(field: nn.Module) -> Calculus:
     """Exact jets: native ones of a float32 SIREN on a CPU, analytic ones of any other and of an ensemble.
 
-    Of any other module, autograd's.
+    Composed ones of a field with an outer function; of any other module, autograd's.
     """
+    if isinstance(field, Sphered):
+        return Composed(field, exact(field.inner))
     if isinstance(field, Siren) and suits(field):
         return Native(field)
     return Analytic(field) if isinstance(field, Siren | Ensemble) else Autodiff(field)

@@ -12,6 +12,7 @@ EXAMPLE = """\
 examples:
   weingarten bench parts/ --schedules constant,linear,quintic --seeds 3 --out compared
   weingarten bench parts/ --methods odw,odw-fd,poisson --out methods --baseline poisson
+  weingarten bench parts/ --methods odw,digs@400 --out equal-time   DiGS with 400 steps of its own
   weingarten bench parts/ --shard 2/4 --out compared        one of four machines, one shared folder
 
 PARTS holds true meshes, NAME.stl and so on; a scan beside one is NAME.cloud.ply. Without it the truth is

@@ -36,6 +36,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("--term", metavar="NAME", help="whose weight this is (default: the curvature term's)")
     verb.add_argument("--stencil", metavar="T:H,...", help="distances of a method by finite differences")
     verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
+    verb.add_argument("--rate", type=float, metavar="R", help="greatest learning rate (default: method's)")
     verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
     verb.add_argument(
         "--resolution",
@@ -100,6 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
         steps=arguments.steps,
         points=arguments.points_per_step,
         resolution=arguments.resolution,
+        rate=arguments.rate,
     )
     chosen_device(arguments.device)
     check_mesh_path(arguments.output)
@@ -170,6 +172,7 @@ def repeated(arguments: argparse.Namespace) -> str:
         "term",
         "stencil",
         "steps",
+        "rate",
         "points_per_step",
         "resolution",
         "seed",

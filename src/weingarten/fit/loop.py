@@ -26,7 +26,7 @@ from weingarten.fit.optimiser import Factor, Optimiser
 from weingarten.fit.optimisers import Rate
 from weingarten.fit.outline import Outline
 from weingarten.fit.pieces import Part, Piece, cut, through
-from weingarten.methods import Method
+from weingarten.method import Method
 from weingarten.scan.draws import Draws
 from weingarten.scan.generators import Generators
 from weingarten.schedules.adaptive import Adaptive

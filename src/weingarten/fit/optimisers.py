@@ -2,16 +2,25 @@
 
 import math
 from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 from torch import nn
 
-from weingarten.fields.ensemble import Ensemble
-from weingarten.fields.siren import Siren
 from weingarten.fit.adam import Adam
 from weingarten.fit.muon import Muon
 from weingarten.fit.optimiser import Optimiser
 
 Rate = Callable[[int, int], float]
+
+
+@runtime_checkable
+class Layered(Protocol):
+    """A field that names the square matrices between its layers."""
+
+    @property
+    def hidden(self) -> list[nn.Parameter]:
+        """These."""
+        ...
 
 
 def adam(field: nn.Module) -> list[Optimiser]:
@@ -20,11 +29,11 @@ def adam(field: nn.Module) -> list[Optimiser]:
 
 
 def muon(field: nn.Module) -> list[Optimiser]:
-    """Muon for the square matrices of SIRENs, Adam at the same rate for all else (findings).
+    """Muon for a field's square matrices, Adam at the same rate for all else (findings).
 
     Fields that name no hidden matrices are moved by Adam alone.
     """
-    hidden = field.hidden if isinstance(field, Siren | Ensemble) else []
+    hidden = field.hidden if isinstance(field, Layered) else []
     names = {id(weight) for weight in hidden}
     rest = [weight for weight in field.parameters() if id(weight) not in names]
     return [Muon(hidden), Adam(rest)] if hidden else [Adam(rest)]
