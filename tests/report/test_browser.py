@@ -79,9 +79,9 @@ def page(browser: Browser, address: str) -> Iterator[Page]:
     assert {url for url in asked if not url.startswith("data:")} == {address}
 
 
-def opened(page: Page, mode: str, name: str = tiny.SHIFTED) -> None:
-    """Open the view in 3D by the picture of a contender of the plate."""
-    part = page.locator("details.part", has=page.locator("h3", has_text=tiny.PARTS[0]))
+def opened(page: Page, mode: str, name: str = tiny.SHIFTED, part_name: str = tiny.PARTS[0]) -> None:
+    """Open the view in 3D by the picture of a contender."""
+    part = page.locator("details.part", has=page.locator("h3", has_text=part_name))
     if part.get_attribute("open") is None:
         part.locator("summary").first.click()
     row = part.locator(".row", has=page.locator("h4", has_text=name))
@@ -170,6 +170,16 @@ def test_tables_sort_by_click_and_by_key(page: Page):
     names = table.locator("tbody tr th").all_inner_texts()
     assert names == [tiny.EXACTLY, tiny.POISSON, tiny.SHIFTED, "ceiling"]
     assert head.get_attribute("aria-sort") is None
+
+
+@pytest.mark.parametrize("height", [500, 1400])
+def test_the_view_begins_with_the_whole_part(page: Page, height: int):
+    page.set_viewport_size({"width": 1000, "height": height})
+    opened(page, "shaded", tiny.EXACTLY, tiny.PARTS[1])
+    ball = drawn(pixels(page))
+    assert ball.mean() > 0.05
+    assert not ball[[0, -1]].any()
+    assert not ball[:, [0, -1]].any()
 
 
 def test_the_view_shows_the_mesh_and_turns_zooms_and_moves(page: Page):

@@ -14,8 +14,9 @@ def machine() -> str:
     code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
     torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
     gpu = ", CUDA" if cuda == "True" else ", no GPU"
-    python = platform.python_version()
-    return f"{processor()}, {os.cpu_count()} cores, {threads} threads{gpu}, torch {torch}, Python {python}"
+    python, plural = platform.python_version(), "" if threads == "1" else "s"
+    cores = f"{os.cpu_count()} cores, {threads} thread{plural}"
+    return f"{processor()}, {cores}{gpu}, torch {torch}, Python {python}"
 
 
 def processor() -> str:

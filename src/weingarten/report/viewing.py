@@ -11,6 +11,9 @@ from weingarten.report.gallery import Card, PartView
 from weingarten.report.heat import colour_map
 from weingarten.report.scene import Scene
 
+TALL = 0.77
+"""Least height that a part is given beside its width: flat ones need it once they are turned."""
+
 
 def viewing(views: Sequence[PartView]) -> tuple[dict[str, Any], list[tuple[str, str]]]:
     """Settings of the view, and the packed scenes by the id of the element that holds them."""
@@ -45,6 +48,7 @@ def part_settings(number: int, view: PartView, scenes: list[tuple[str, str]]) ->
         "name": view.name,
         "target": [round(value, 6) for value in view.target],
         "extent": round(view.extent, 6),
+        "tall": round(view.extent * max(view.size[1] / view.size[0], TALL), 6),
         "unit": "" if view.scale is None else view.scale.unit,
         "ticks": [] if view.scale is None else [list(tick) for tick in view.scale.ticks()],
         "truth": None

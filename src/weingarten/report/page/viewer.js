@@ -109,7 +109,8 @@
 
   /** Pixels of a unit length. */
   function perUnit() {
-    return (view.zoom * Math.min(canvas.clientWidth, canvas.clientHeight * 1.3)) / settings.parts[now.part].extent;
+    const part = settings.parts[now.part];
+    return view.zoom * Math.min(canvas.clientWidth / part.extent, canvas.clientHeight / part.tall);
   }
 
   function draw() {
