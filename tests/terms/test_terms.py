@@ -17,7 +17,7 @@ from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 from weingarten.terms.curriculum import CURRICULUM_FREE_SPACE, CURRICULUM_SURFACE
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.divergence import DIVERGENCE, DIVERGENCE_CLAMPED
-from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE
+from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM
 from weingarten.terms.free_space import FREE_SPACE
 from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
 from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
@@ -46,7 +46,8 @@ CURVATURE_TERMS = (
     DIVERGENCE_CLAMPED,
     NORMAL_DIVERGENCE,
 )
-TERMS = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, FREE_SPACE, *CURVATURE_TERMS)
+FIRST_ORDER = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM, FREE_SPACE)
+TERMS = (*FIRST_ORDER, *CURVATURE_TERMS)
 NAMES = [term.residual.__module__.rpartition(".")[2] + "." + term.residual.__name__ for term in TERMS]
 CURVATURE_NAMES = NAMES[-len(CURVATURE_TERMS) :]
 
@@ -117,6 +118,7 @@ def test_where_and_how_far_each_term_looks():
         ((OFF_SURFACE,), VALUE),
         ((SURFACE, NEAR), GRADIENT),
         ((SURFACE, NEAR), GRADIENT),
+        ((OFF_SURFACE, NEAR), GRADIENT),
         ((OFF_SURFACE,), VALUE),
         *[((NEAR,), TANGENT)] * 5,
         ((NEAR,), HESSIAN),
@@ -133,6 +135,7 @@ def test_closed_forms_of_first_order_terms(shape, factor):
     near(residuals(OFF_SURFACE_TERM, field, points), torch.exp(-100 * factor * f.abs()))
     near(residuals(EIKONAL, field, points), torch.full_like(f, (factor**2 - 1) ** 2))
     near(residuals(EIKONAL_ABSOLUTE, field, points), torch.full_like(f, abs(factor - 1)))
+    near(residuals(EIKONAL_OF_NORM, field, points), torch.full_like(f, (factor - 1) ** 2))
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.3, -2.0])
