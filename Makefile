@@ -28,7 +28,7 @@ demo: $(INSTALLED) ## points of a bundled flange to a mesh, a picture and its er
 	@$(BIN)/weingarten evaluate demo/flange.stl bundled:flange
 
 test: $(DEVELOPING) ## the tests
-	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(BIN)/python -m pytest -n auto --maxprocesses 8 --dist worksteal $(PYTEST_ARGS)
 
 lint: $(DEVELOPING) ## style, types, and whether README.md lists the files there are
 	@$(BIN)/ruff check --quiet
