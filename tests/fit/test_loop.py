@@ -40,6 +40,17 @@ def test_pieces_add_up_to_the_whole(make_loop, draws_for, method, chunk):
         assert (one - other).abs().max() < 1e-10 * scale
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_moves_its_weights_at_the_first_step(make_loop, draws_for, method):
+    """In float32, as a fit is: a gradient that overflows would be cut to nothing."""
+    loop = make_loop(METHODS[method], draws=draws_for(METHODS[method]), **SMALL)
+    before = [weight.detach().clone() for weight in loop.field.parameters()]
+    assert math.isfinite(loop.advance().loss)
+    after = list(loop.field.parameters())
+    assert all(weight.isfinite().all() for weight in after)
+    assert any(not torch.equal(one, other) for one, other in zip(before, after, strict=True))
+
+
 def test_recorded_means_are_those_of_the_points(make_loop):
     loop = make_loop(PAPER, double=True, **SMALL)
     generator = torch.Generator()

@@ -9,7 +9,7 @@ from typing import Any
 from weingarten.schedules.balance import mean, softmax
 
 SHARPNESS = 1.0
-"""β: normalised slopes lie within ±1, so two weights differ by a factor of at most e²."""
+"""β: normalised slopes lie within ±1, so two weights differ by a factor of at most e."""
 
 BLOCK = 25
 """Steps that make up what the source calls an epoch."""
