@@ -30,7 +30,7 @@ def quadratic_siren(width: int, depth: int, frequency: float, generator: torch.G
 
 
 def softplus_net(width: int, depth: int, frequency: float, generator: torch.Generator | None) -> SoftplusNet:
-    """SAL's and IGR's."""
+    """IGR's, here SAL's too."""
     return SoftplusNet(width, depth, generator=generator)
 
 

@@ -1,4 +1,4 @@
-"""The network of SAL and IGR: softplus layers with a skip connection, a sphere's distance at first.
+"""The network of IGR: softplus layers with a skip connection, a sphere's distance at first.
 
     a_0 = x,   a_l = σ(W_l a_{l−1} + b_l),   σ(z) = log(1 + exp(βz)) / β,   f = w·a_L + b
 
