@@ -470,3 +470,35 @@ def test_residuals_are_one_for_each_point_in_any_float_type(term):
         found = residuals(term, field, points, torch.zeros(9, dtype=dtype))
         assert found.shape == (9,)
         assert found.dtype == dtype
+
+
+@pytest.mark.parametrize("term", [SINGULAR_HESSIAN, DIVERGENCE, DIVERGENCE_CLAMPED, NORMAL_DIVERGENCE])
+def test_terms_of_all_of_the_hessian_do_not_take_a_tangent_block_for_it(term):
+    points, angles = draw(5)
+    jet = Autodiff(Scaled(SHAPES["torus"]))(points, TANGENT, angles)
+    with pytest.raises(ValueError, match="order HESSIAN"):
+        term.residual(jet, Sample(points))
+
+
+class Bowl(torch.nn.Module):
+    """f = x² + 2 y² − 3 z² + offset: a critical point at the origin, where the frame is any."""
+
+    def __init__(self, offset):
+        super().__init__()
+        self.bend = torch.nn.Parameter(torch.tensor([1.0, 2.0, -3.0]))
+        self.offset = offset
+
+    def forward(self, points):
+        return points.square() @ self.bend + self.offset
+
+
+@pytest.mark.parametrize("term", TERMS, ids=NAMES)
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+def test_a_critical_point_gives_a_finite_residual_and_a_finite_gradient(term, offset):
+    field, points = Bowl(offset), torch.zeros(4, 3)
+    jet = Autodiff(field)(points, term.order, torch.arange(4.0))
+    found = term.residual(jet, Sample(points, torch.full((4,), 0.1)))
+    assert found.isfinite().all()
+    if found.requires_grad:
+        found.mean().backward()
+        assert field.bend.grad is None or field.bend.grad.isfinite().all()

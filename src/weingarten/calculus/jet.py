@@ -70,11 +70,16 @@ class Jet:
         return self.uu / norm, self.uv / norm, self.vv / norm
 
     @property
+    def second(self) -> tuple[Float[Tensor, "n *m"], ...]:
+        """uᵀHu, uᵀHv, vᵀHv, uᵀHn, vᵀHn, nᵀHn, where all of H is known to have been asked for."""
+        if self.nn is None:
+            raise ValueError("this jet was evaluated without its Hessian; ask for order HESSIAN")
+        return self.tensors[2:]
+
+    @property
     def hessian(self) -> Float[Tensor, "n *m 3 3"]:
         """H in the frame: (u v n)ᵀ H (u v n), of which trace and determinant are those of H."""
-        if self.uu is None or self.nn is None:
-            raise ValueError("this jet was evaluated without its Hessian; ask for order HESSIAN")
-        uu, uv, vv, un, vn, nn = self.tensors[2:]
+        uu, uv, vv, un, vn, nn = self.second
         rows = (torch.stack(row, dim=-1) for row in ((uu, uv, un), (uv, vv, vn), (un, vn, nn)))
         return torch.stack(tuple(rows), dim=-2)
 

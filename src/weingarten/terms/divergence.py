@@ -18,7 +18,7 @@ LEAST, MOST = 0.1, 50.0
 
 def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|tr H|, one over unit length."""
-    uu, _, vv, _, _, nn = jet.tensors[2:]
+    uu, _, vv, _, _, nn = jet.second
     return (uu + vv + nn).abs()
 
 

@@ -15,7 +15,7 @@ from weingarten.terms.term import Term
 
 def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|nᵀHn|, one over unit length."""
-    return jet.tensors[-1].abs()
+    return jet.second[-1].abs()
 
 
 NORMAL_DIVERGENCE = Term("normal_divergence", residual, (OFF_SURFACE,), HESSIAN)

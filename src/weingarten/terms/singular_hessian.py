@@ -15,7 +15,7 @@ from weingarten.terms.term import Term
 
 def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
     """|det H|, one over unit length cubed."""
-    uu, uv, vv, un, vn, nn = jet.tensors[2:]
+    uu, uv, vv, un, vn, nn = jet.second
     return (uu * (vv * nn - vn * vn) - uv * (uv * nn - vn * un) + un * (uv * vn - vv * un)).abs()
 
 
