@@ -99,19 +99,19 @@ def test_what_cannot_be_believed_is_not_told():
 def test_bounded_is_an_average_over_progress():
     ratios = [0.5, 0.1, 3.0, 0.2, 0.0]
     times = [0.0, 0.01, 0.04, 0.04, 0.5]
-    bounded = Bounded(Given(1.0, *ratios), 4.0, constant(100.0), bound=6.0, smoothing=0.05)
+    bounded = Bounded(Given(1.0, *ratios), constant(4.0), smoothing=0.05)
     weight, before = 4.0, 0.0
     for ratio, t in zip(ratios, times, strict=True):
         bounded.watch(seen(t=t))
         share = 1.0 - math.exp(-(t - before) / 0.05)
-        weight = (1.0 - share) * weight + share * min(4.0 * ratio, 6.0)
+        weight = (1.0 - share) * weight + share * 4.0 * min(ratio, 1.0)
         before = t
         assert bounded(t) == pytest.approx(weight, rel=1e-12)
     assert bounded.gradients_every == 7
 
 
 def test_as_many_steps_as_you_like():
-    few, many = (Bounded(Given(0.1), 4.0, constant(10.0)) for _ in range(2))
+    few, many = (Bounded(Given(0.1), constant(4.0)) for _ in range(2))
     for bounded, steps in ((few, 50), (many, 5000)):
         for step in range(steps + 1):
             bounded.watch(seen(t=0.02 * step / steps))
@@ -119,7 +119,7 @@ def test_as_many_steps_as_you_like():
 
 
 def test_the_envelope_limits_and_does_not_multiply():
-    bounded = Bounded(Given(0.5), 4.0, Schedule("linear", ((0.0, 4.0), (1.0, 0.0))))
+    bounded = Bounded(Given(0.5), Schedule("linear", ((0.0, 4.0), (1.0, 0.0))))
     for t in np.linspace(0.0, 0.3, 100):
         bounded.watch(seen(t=float(t)))
     assert bounded(0.3) == pytest.approx(2.0, rel=1e-5)
@@ -127,8 +127,11 @@ def test_the_envelope_limits_and_does_not_multiply():
     assert bounded(1.0) == 0.0
 
 
-def test_a_reference_beyond_the_bound_is_the_bound():
-    assert Bounded(Given(1.0), 40.0, constant(40.0))(0.0) == 10.0
+def test_what_a_ratio_above_one_asked_for_is_not_kept_for_later():
+    bounded = Bounded(Given(50.0), constant(4.0))
+    for t in np.linspace(0.0, 0.5, 100):
+        bounded.watch(seen(t=float(t)))
+    assert bounded.weight == pytest.approx(4.0)
 
 
 def steady(balance: Balance, steps: int = 600) -> float:

@@ -14,11 +14,13 @@ GUARD = 1e-6
 def clip(gradients: Sequence[Tensor], most: float, batch: int) -> None:
     """Shorten gradients in place; their first `batch` dimensions count parts, each with a norm of its own.
 
-    A part whose gradient is not finite is left with one that is not, and no other part knows of it.
+    A part whose gradient is not finite, or too great to be squared, is left with one that is not finite, and
+    no other part knows of it.
     """
     if not gradients:
         return
     norms = [torch.linalg.vector_norm(gradient.flatten(batch), dim=-1) for gradient in gradients]
-    factor = (most / (torch.linalg.vector_norm(torch.stack(norms), dim=0) + GUARD)).clamp(max=1.0)
+    norm = torch.linalg.vector_norm(torch.stack(norms), dim=0)
+    factor = torch.where(norm.isfinite(), (most / (norm + GUARD)).clamp(max=1.0), torch.nan)
     for gradient in gradients:
         gradient.mul_(factor.view((*factor.shape, *[1] * (gradient.dim() - batch))))

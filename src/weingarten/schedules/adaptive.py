@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from weingarten.schedules.balance import Balance, Balancer
-from weingarten.schedules.bounded import BOUND, SMOOTHING, Bounded, Ratio
+from weingarten.schedules.bounded import SMOOTHING, Bounded, Ratio
 from weingarten.schedules.discrepancy import SMOOTHING as STEADY
 from weingarten.schedules.discrepancy import Discrepancy
 from weingarten.schedules.gradient_norm import GradientNorm
@@ -29,11 +29,12 @@ from weingarten.schedules.seen import Seen
 from weingarten.schedules.soft_adapt import SoftAdapt
 from weingarten.schedules.task_priority import TaskPriority
 from weingarten.schedules.uncertainty import Uncertainty
+from weingarten.terms.dirichlet import DIRICHLET
 
 __all__ = ["ADAPTIVE", "FULL", "Adaptive", "Rule", "Seen"]
 
-FULL = constant(BOUND)
-"""The envelope that leaves the weight free up to the bound."""
+FULL = constant(10.0)
+"""The envelope unless told otherwise (method §4)."""
 
 
 @runtime_checkable
@@ -81,25 +82,24 @@ class Start:
 class Rule:
     """A row of ADAPTIVE: what a method or the command line names.
 
-    ratio: of the weight to its reference, for one fit. bound: the greatest weight. smoothing: memory of the
-    average over the weight, as a share of the fit.
+    ratio: of the weight to its reference, for one fit. smoothing: memory of the average over the weight, as
+    a share of the fit. watches: the one term that it cannot do without, if there is such a term.
     """
 
     name: str
     source: str
     ratio: Callable[[Start], Ratio]
-    bound: float = BOUND
     smoothing: float = SMOOTHING
+    watches: str | None = None
 
     def begin(self, term: str, envelope: Schedule = FULL, seed: int = 0, noise: float = 0.0) -> Adaptive:
         """The weight of `term` for one fit.
 
-        The reference weight is the envelope's greatest, within the bound: it begins there, and the rule can
-        take from it and give back. noise: only `discrepancy` asks, and raises OptionError where it is none.
+        The reference weight is the envelope's greatest: it begins there, and the rule can take from it and
+        give back. noise: only `discrepancy` asks, and raises OptionError where it is none.
         """
-        reference = min(envelope.greatest, self.bound)
-        ratio = self.ratio(Start(term, reference, seed, noise))
-        return Bounded(ratio, reference, envelope, self.bound, self.smoothing)
+        ratio = self.ratio(Start(term, envelope.greatest, seed, noise))
+        return Bounded(ratio, envelope, self.smoothing)
 
 
 def balancing(balancer: Callable[[Start], Balancer]) -> Callable[[Start], Ratio]:
@@ -120,6 +120,7 @@ ADAPTIVE: dict[str, Rule] = {
             "ours, after Morozov 1966",
             lambda start: Discrepancy(start.noise),
             smoothing=STEADY,
+            watches=DIRICHLET.name,
         ),
     )
 }

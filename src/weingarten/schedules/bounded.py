@@ -1,4 +1,4 @@
-"""From a rule's ratio to the weight of a step: a reference, smoothing, a bound and an envelope."""
+"""From a rule's ratio to the weight of a step: smoothing, and an envelope that bounds it."""
 
 import math
 from collections.abc import Mapping
@@ -6,9 +6,6 @@ from typing import Any, Protocol, runtime_checkable
 
 from weingarten.schedules.schedule import Schedule
 from weingarten.schedules.seen import Seen
-
-BOUND = 10.0
-"""The greatest weight unless told otherwise (method §4)."""
 
 SMOOTHING = 0.02
 """Memory of the moving average, as a share of the fit: 13 steps of 650, 200 of 10,000."""
@@ -43,9 +40,9 @@ class Ratio(Protocol):
 
 
 class Bounded:
-    """The weight λ that a ratio ρ makes of a reference λ₀, within [0, bound] and never above an envelope.
+    """The weight λ that a ratio ρ makes of an envelope's greatest weight λ₀, never above the envelope.
 
-        w ← w + (1 − exp(−Δt / smoothing)) (min(λ₀ρ, bound) − w),   w = λ₀ at first
+        w ← w + (1 − exp(−Δt / smoothing)) (λ₀ min(ρ, 1) − w),   w = λ₀ at first
         λ(t) = min(w, envelope(t))
 
     The average runs over progress, not over steps, so that a fit of few steps and one of many are steered
@@ -53,17 +50,9 @@ class Bounded:
     The envelope limits and does not multiply: where it leaves room, the weight is the rule's own.
     """
 
-    def __init__(
-        self,
-        rule: Ratio,
-        reference: float,
-        envelope: Schedule,
-        bound: float = BOUND,
-        smoothing: float = SMOOTHING,
-    ) -> None:
-        self.rule, self.envelope, self.bound, self.smoothing = rule, envelope, bound, smoothing
-        self.reference = min(reference, bound)
-        self.weight = self.reference
+    def __init__(self, rule: Ratio, envelope: Schedule, smoothing: float = SMOOTHING) -> None:
+        self.rule, self.envelope, self.smoothing = rule, envelope, smoothing
+        self.weight = envelope.greatest
         self.progress: float | None = None
 
     @property
@@ -73,14 +62,14 @@ class Bounded:
 
     def __call__(self, t: float) -> float:
         """The weight for the step at progress t, given what was watched so far."""
-        return min(self.weight, self.envelope(t), self.bound)
+        return min(self.weight, self.envelope(t))
 
     def watch(self, seen: Seen) -> None:
         """Take in one step."""
         self.rule.watch(seen)
         passed = 0.0 if self.progress is None else max(0.0, seen.progress - self.progress)
         self.progress = seen.progress
-        wanted = min(self.reference * self.rule.ratio(), self.bound)
+        wanted = self.envelope.greatest * min(self.rule.ratio(), 1.0)
         self.weight += (1.0 - math.exp(-passed / self.smoothing)) * (wanted - self.weight)
 
     def state(self) -> dict[str, Any]:
