@@ -77,7 +77,7 @@ def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, m
     resumed = wg.reconstruct(points, settings, run_folder=tmp_path / "run", resume=True)
     np.testing.assert_array_equal(resumed.mesh.vertices, whole.mesh.vertices)
     np.testing.assert_array_equal(resumed.mesh.faces, whole.mesh.faces)
-    again, _ = remesh(*opened(tmp_path / "run"), 32, torch.device("cpu"))
+    again, _ = remesh(*opened(tmp_path / "run"), 32, None, torch.device("cpu"))
     np.testing.assert_array_equal(again.vertices, whole.mesh.vertices)
 
 

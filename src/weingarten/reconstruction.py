@@ -1,7 +1,7 @@
 """Points in, mesh out: the whole way of a scan through the house."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +25,10 @@ from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, summarise
 from weingarten.surface.contour import extraction
+from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.repair import drop_ghosts
-from weingarten.surface.values import BATCH, field_values
+from weingarten.surface.sharp_contour import SharpContour
+from weingarten.surface.values import BATCH, field_planes, field_values
 from weingarten.world_field import WorldField
 
 Points = Float64[np.ndarray, "n 3"]
@@ -139,7 +141,7 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
     Raises ExtractionError when the field has no surface.
     """
     clock.phase("extracting")
-    mesh, notes = surface(field, start.origin, start.unit, start.settings.resolution, crew)
+    mesh, notes = surface(field, start.origin, start.unit, crew)
     for note in notes:
         clock.observer.note(note)
     clock.phase("measuring")
@@ -205,13 +207,12 @@ def check_finite(record: Record) -> None:
         raise FitError(f"The loss became {record.loss} at step {record.step}; try another --seed.")
 
 
-def surface(
-    module: nn.Module, origin: Origin, unit: Points, resolution: int, crew: Crew
-) -> tuple[Mesh, tuple[str, ...]]:
+def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tuple[Mesh, tuple[str, ...]]:
     """The field's surface without ghosts, unit frame, and notes on what was done to it."""
-    values = field_values(module, crew)
+    values, settings = field_values(module, crew), origin.settings
     lower, upper = np.array(origin.lower), np.array(origin.upper)
-    found = extraction(values, lower, upper, resolution, BATCH, crew)
+    mesher = SharpContour(field_planes(module, crew)) if settings.sharp else marching_cubes
+    found = extraction(values, lower, upper, settings.resolution, BATCH, crew, mesher)
     mesh = drop_ghosts(found.mesh, unit)
     if len(mesh.faces) == len(found.mesh.faces):
         return mesh, found.notes
@@ -220,10 +221,18 @@ def surface(
 
 
 def remesh(
-    found: Checkpoint, points: Points, resolution: int, device: torch.device
+    found: Checkpoint, points: Points, resolution: int | None, sharp: bool | None, device: torch.device
 ) -> tuple[Mesh, tuple[str, ...]]:
-    """The surface of a checkpoint's field, world frame, and notes. points: of its run, world units."""
-    field, frame = WorldField.of(found, device), found.origin.frame
-    unit = frame.to_unit(thinned(points, found.origin.settings.seed))
-    mesh, notes = surface(field.module, found.origin, unit, resolution, crew_for(device))
+    """The surface of a checkpoint's field, world frame, and notes.
+
+    points: of its run, world units. resolution, sharp: those of its settings unless given.
+    """
+    field, frame, settings = WorldField.of(found, device), found.origin.frame, found.origin.settings
+    settings = replace(
+        settings,
+        resolution=settings.resolution if resolution is None else resolution,
+        sharp=settings.sharp if sharp is None else sharp,
+    )
+    unit = frame.to_unit(thinned(points, settings.seed))
+    mesh, notes = surface(field.module, replace(found.origin, settings=settings), unit, crew_for(device))
     return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes

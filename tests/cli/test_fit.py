@@ -101,6 +101,30 @@ def test_mesh_extracts_again_at_any_resolution(finished, tmp_path):
     assert len(read_mesh(tmp_path / "fine.ply").faces) > 2 * len(read_mesh(tmp_path / "same.stl").faces)
 
 
+def test_mesh_extracts_again_with_sharp_edges(finished, tmp_path):
+    folder = finished[0]
+    code, _, _ = run(
+        "mesh", folder / "run", "-o", tmp_path / "sharp.ply", "--resolution", 48, "--sharp", "on"
+    )
+    assert code == 0
+    plain, sharp = read_mesh(folder / "part.stl"), read_mesh(tmp_path / "sharp.ply")
+    assert len(sharp.vertices) != len(plain.vertices)
+    assert topology(sharp).watertight
+
+
+@pytest.mark.parametrize("method", ["digs", "hash-grid"])
+def test_a_fit_with_sharp_edges_is_that_of_its_run_folder(method, cloud, tmp_path):
+    words = ["--method", method, "--steps", "30", *SMALL, "--quiet", "--sharp", "on"]
+    assert (
+        main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
+    )
+    for name, sharp in (("b.stl", []), ("c.stl", ["--sharp", "off"])):
+        again = ["mesh", str(tmp_path / "run"), "-o", str(tmp_path / name), "--resolution", "48", *sharp]
+        assert main(again) == 0
+    assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
+    assert (tmp_path / "a.stl").read_bytes() != (tmp_path / "c.stl").read_bytes()
+
+
 @pytest.mark.parametrize("method", ["digs", "steik", "sal", "hash-grid"])
 def test_fields_of_every_kind_come_back_from_their_checkpoints(method, cloud, tmp_path):
     words = ["--method", method, "--steps", "30", *SMALL, "--quiet"]

@@ -1,9 +1,11 @@
 """Contours are closed, wound outward and near the true surface, whatever the field, at a sparse cost."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
-import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -12,29 +14,15 @@ from weingarten.errors import ExtractionError, OptionError
 from weingarten.surface import octree
 from weingarten.surface.contour import extract, extraction
 
+sys.path.insert(0, str(Path(__file__).parent))
+from closed import assert_closed, solid
+
 LOWER, UPPER = np.full(3, -1.1), np.full(3, 1.1)
 SPHERE = Sphere(centre=(0.03, -0.02, 0.01), radius=0.9)
 TORUS = Torus(axis=(1.0, 2.0, 3.0), ring=0.7, tube=0.25)
 CYLINDER = CappedCylinder(axis=(1.0, 2.0, 3.0), radius=0.4, half_height=0.8)
 BOX = Box(half=(0.81, 0.72, 0.63))
 PART = Union((Difference(BOX, CappedCylinder(radius=0.3)), Torus(axis=(1.0, 0.0, 0.0), ring=0.65, tube=0.2)))
-
-
-def solid(mesh):
-    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-
-
-def assert_closed(mesh):
-    """Every edge has two faces that run along it in opposite directions, and no face is degenerate."""
-    faces = mesh.faces
-    directed = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    codes = directed[:, 0] * len(mesh.vertices) + directed[:, 1]
-    reverse = directed[:, 1] * len(mesh.vertices) + directed[:, 0]
-    assert (directed[:, 0] != directed[:, 1]).all()
-    assert len(np.unique(codes)) == len(codes)
-    assert np.array_equal(np.sort(codes), np.sort(reverse))
-    assert np.array_equal(np.unique(faces), np.arange(len(mesh.vertices)))
-    assert np.isfinite(mesh.vertices).all()
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ def add_fitting(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--resolution", type=int, metavar="N", help="cells along the longest side (default: preset's)"
     )
+    verb.add_argument("--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: preset's)")
     verb.add_argument("--points", type=int, default=30_000, metavar="N", help="points of each sampled scan")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
     verb.add_argument(
@@ -52,6 +54,7 @@ def budget(arguments: argparse.Namespace) -> "Settings":
         steps=arguments.steps,
         points=arguments.points_per_step,
         resolution=arguments.resolution,
+        sharp=SWITCH.get(arguments.sharp),
     )
 
 

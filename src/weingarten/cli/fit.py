@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from weingarten.cli.importing import importing
+from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("--steps", type=int, metavar="N", help="optimisation steps (default: preset's)")
     verb.add_argument("--rate", type=float, metavar="R", help="greatest learning rate (default: method's)")
     verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
+    verb.add_argument("--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: preset's)")
     verb.add_argument(
         "--resolution",
         type=int,
@@ -101,6 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
         steps=arguments.steps,
         points=arguments.points_per_step,
         resolution=arguments.resolution,
+        sharp=SWITCH.get(arguments.sharp),
         rate=arguments.rate,
     )
     chosen_device(arguments.device)
@@ -175,6 +178,7 @@ def repeated(arguments: argparse.Namespace) -> str:
         "rate",
         "points_per_step",
         "resolution",
+        "sharp",
         "seed",
         "oracle",
     )

@@ -1,4 +1,4 @@
-"""`weingarten mesh`: the surface of a finished or half-finished run, at another resolution."""
+"""`weingarten mesh`: the surface of a finished or half-finished run, otherwise than the fit made it."""
 
 import argparse
 import json
@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from weingarten.cli.importing import importing
+from weingarten.cli.switch import SWITCH
 
 EXAMPLE = "example: weingarten mesh part.run -o part-fine.stl --resolution 512"
 
@@ -23,6 +24,9 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
     verb.add_argument(
         "--resolution", type=int, metavar="N", help="cells along the longest side; as in the fit by default"
+    )
+    verb.add_argument(
+        "--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: as in the fit)"
     )
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
@@ -44,8 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_mesh_path(arguments.output)
     keep_freed_memory()
     found, points = opened(arguments.folder)
-    resolution = arguments.resolution or found.origin.settings.resolution
-    mesh, notes = remesh(found, points, resolution, chosen_device(arguments.device))
+    sharp = SWITCH.get(arguments.sharp)
+    mesh, notes = remesh(found, points, arguments.resolution, sharp, chosen_device(arguments.device))
     notes += write_mesh(arguments.output, mesh)
     for note in notes:
         sys.stderr.write(f"Note: {note}\n")

@@ -16,6 +16,7 @@ resolving the ambiguity in marching cubes* (1991); a tunnel through a cell is ne
 
 import functools
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,6 +63,19 @@ class Cases:
     triangles: Int8[np.ndarray, "t 3"]
 
 
+@dataclass(frozen=True)
+class Loops:
+    """The loops of every case, numbered from 0.
+
+    count: how many. of: the loop that an edge belongs to, -1 where the edge is not crossed. after: the edge
+    that follows it there.
+    """
+
+    count: Int8[np.ndarray, " 16384"]
+    of: Int8[np.ndarray, "16384 12"]
+    after: Int8[np.ndarray, "16384 12"]
+
+
 @functools.cache
 def cases() -> Cases:
     """All cases; triangles are three edge numbers, CENTRE being the vertex in the cell.
@@ -71,15 +85,34 @@ def cases() -> Cases:
     start = np.zeros(1 << 14, dtype=np.int32)
     count = np.zeros(1 << 14, dtype=np.int32)
     triangles: list[tuple[int, int, int]] = []
+    for case, case_loops in _every_case():
+        rows = [row for loop in case_loops for row in _triangulation(tuple(loop))]
+        start[case] = len(triangles)
+        count[case] = len(rows)
+        triangles += rows
+    return Cases(start, count, np.array(triangles, dtype=np.int8))
+
+
+@functools.cache
+def loops() -> Loops:
+    """The loops of all cases, each run through clockwise seen from outside."""
+    count = np.zeros(1 << 14, dtype=np.int8)
+    of, after = (np.full((1 << 14, 12), -1, dtype=np.int8) for _ in range(2))
+    for case, case_loops in _every_case():
+        count[case] = len(case_loops)
+        for number, loop in enumerate(case_loops):
+            of[case, loop] = number
+            after[case, loop] = [*loop[1:], loop[0]]
+    return Loops(count, of, after)
+
+
+def _every_case() -> Iterator[tuple[int, list[list[int]]]]:
+    """Every case that occurs, with its loops."""
     for inside in range(256):
         ambiguous = [face for face in range(6) if _pattern(inside, face) in ((1, 0, 1, 0), (0, 1, 0, 1))]
         for choice in itertools.product((0, 1), repeat=len(ambiguous)):
             joined = sum(bit << face for bit, face in zip(choice, ambiguous, strict=True))
-            rows = [row for loop in _loops(inside, joined) for row in _triangulation(tuple(loop))]
-            start[inside | joined << 8] = len(triangles)
-            count[inside | joined << 8] = len(rows)
-            triangles += rows
-    return Cases(start, count, np.array(triangles, dtype=np.int8))
+            yield inside | joined << 8, _loops(inside, joined)
 
 
 def _pattern(inside: int, face: int) -> tuple[int, ...]:

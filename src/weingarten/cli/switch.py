@@ -1,0 +1,3 @@
+"""What an option that is on or off may say."""
+
+SWITCH = {"on": True, "off": False}

@@ -1,0 +1,96 @@
+"""The planes in which a surface lies where it meets lattice edges, with rounded edges made sharp again.
+
+A fitted field cannot turn at once: about a sharp edge its level sets are round over some hundredths of a
+unit. What is measured within the round says nothing of the edge. So there the plane at a point is replaced by
+the one that the flatter surface beside it has: the mode, near the point's own normal, of the normals around,
+
+    m ← Σ_j w_j n_j / ‖…‖,   w_j = exp(−‖p_j − p‖² / 2σ²) exp(−‖n_j − m‖² / 2τ²) / (1 + (ρ κ_j)²)²,
+
+by mean shift from m = n (as the bilateral filters of normals have it, Zheng et al. 2011), moved along m to
+where it meets the same points: Σ_j w_j ½ (m + n_j)·(p_j − p − t m) = 0. That leaves circles and spheres as
+they are, for a chord of a circle is at right angles to the mean of its ends' normals.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int
+from scipy.spatial import KDTree
+
+Points = Float64[np.ndarray, "n 3"]
+
+SPREAD, TURN, ROUND = 0.012, 0.3, 0.02
+"""σ, unit lengths; τ, no unit; ρ, unit lengths."""
+
+REACH = 2.2 * SPREAD
+"""Points further away have no weight, unit lengths."""
+
+BENT = 6.0
+"""κ below which a plane is left as it is, one over unit length."""
+
+MOST, SHIFTS, PIECE = 96, 5, 20_000
+"""Neighbours at most; mean shifts; points at a time."""
+
+
+@dataclass(frozen=True)
+class Planes:
+    """points: on the surface, unit frame. normals: outward. bend: the greater |κ|, one over unit length."""
+
+    points: Points
+    normals: Points
+    bend: Float64[np.ndarray, " n"]
+
+    @property
+    def trust(self) -> Float64[np.ndarray, " n"]:
+        """1 / (1 + (ρ κ)²)²."""
+        return (1.0 + (ROUND * self.bend) ** 2) ** -2
+
+
+Measure = Callable[[Points], Planes]
+"""The planes of a surface near given points."""
+
+
+def unrounded(planes: Planes) -> tuple[Points, Points]:
+    """Points and normals, in the round replaced by those of the surface beside it."""
+    points, normals = planes.points.copy(), planes.normals.copy()
+    bent = np.nonzero(planes.bend > BENT)[0]
+    if len(bent) == 0:
+        return points, normals
+    tree, trust = KDTree(planes.points), planes.trust
+    for piece in np.array_split(bent, -(-len(bent) // PIECE)):
+        distance, around = tree.query(planes.points[piece], k=MOST, distance_upper_bound=REACH, workers=-1)
+        known = np.isfinite(distance)
+        around = np.where(known, around, piece[:, None])
+        near = np.where(known, np.exp(-0.5 * (np.where(known, distance, 0.0) / SPREAD) ** 2), 0.0)
+        points[piece], normals[piece] = shifted(planes, piece, around, near * trust[around])
+    return points, normals
+
+
+def shifted(
+    planes: Planes,
+    own: Int[np.ndarray, " m"],
+    around: Int[np.ndarray, "m k"],
+    share: Float64[np.ndarray, "m k"],
+) -> tuple[Points, Points]:
+    """p + t m and m of some planes, from their neighbours and the part of the weights that stays."""
+    mode, normals = planes.normals[own], planes.normals[around]
+    for _ in range(SHIFTS):
+        total = np.einsum("mk,mkc->mc", weights(mode, normals, share), normals)
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        mode = np.where(length > 0.0, total / np.maximum(length, 1e-300), mode)
+    weight = weights(mode, normals, share)
+    mean = 0.5 * (mode[:, None] + normals)
+    chord = planes.points[around] - planes.points[own][:, None]
+    above = np.einsum("mk,mkc,mkc->m", weight, mean, chord)
+    whole = np.einsum("mk,mkc,mc->m", weight, mean, mode)
+    move = np.divide(above, whole, out=np.zeros_like(above), where=whole > 1e-9)
+    return planes.points[own] + move.clip(-0.5 * REACH, 0.5 * REACH)[:, None] * mode, mode
+
+
+def weights(
+    mode: Float64[np.ndarray, "m 3"], normals: Float64[np.ndarray, "m k 3"], share: Float64[np.ndarray, "m k"]
+) -> Float64[np.ndarray, "m k"]:
+    """w, with normals far from the mode left out."""
+    away = ((normals - mode[:, None]) ** 2).sum(axis=-1)
+    return share * np.exp(-0.5 * away / TURN**2)
