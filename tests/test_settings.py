@@ -4,6 +4,7 @@ import pytest
 
 from weingarten.calculus.jet import Progressive
 from weingarten.errors import OptionError
+from weingarten.methods import METHODS
 from weingarten.schedules.schedule import DECREASING, INCREASING, SCHEDULES
 from weingarten.settings import PRESETS, Settings, resolve
 from weingarten.terms.free_space import FREE_SPACE
@@ -70,6 +71,36 @@ def test_any_terms_weight_can_be_scheduled():
     assert terms["off_diagonal_weingarten"].greatest == 3.0
     with pytest.raises(OptionError, match="no term 'nope'; choose one of dirichlet"):
         resolve(term="nope")
+
+
+@pytest.mark.parametrize("name", ["siren", "igr", "sal"])
+def test_a_method_without_a_curvature_term_schedules_what_it_is_told_to(name):
+    settings = resolve(method=name)
+    assert (settings.term, settings.shape, settings.knots) == ("", "", ())
+    assert Settings.from_dict(settings.as_dict()).resolved_method().terms == METHODS[name].terms
+    for asked in ({"schedule": "none"}, {"knots": ((0.0, 1.0),)}):
+        with pytest.raises(OptionError, match=f"{name} has no curvature term; say --term, one of "):
+            resolve(method=name, **asked)
+    first = next(iter(METHODS[name].terms))
+    assert resolve(method=name, term=first.name, schedule="none").resolved_method().terms[first](0.0) == 0.0
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_weight_that_watches_the_data_needs_the_data_term(name):
+    terms = {term.name for term in METHODS[name].terms}
+    term = sorted(terms)[0]
+    if "dirichlet" in terms:
+        assert resolve(method=name, term=term, schedule="discrepancy").shape == "discrepancy"
+    else:
+        with pytest.raises(OptionError, match=f"watches the term 'dirichlet', which method {name} has not"):
+            resolve(method=name, term=term, schedule="discrepancy")
+
+
+def test_a_method_has_its_own_rate_with_each_optimiser():
+    assert [resolve(preset, "igr").rate for preset in ("standard", "paper")] == [1.5e-2, 5e-3]
+    assert [resolve(preset, "sal").rate for preset in ("standard", "paper")] == [1.5e-2, 5e-4]
+    assert [resolve(preset, "digs").rate for preset in ("standard", "paper")] == [5e-4, 5e-5]
+    assert resolve("paper", "igr", rate=1e-3).rate == 1e-3
 
 
 def test_a_stencils_distance_can_be_scheduled():

@@ -1,6 +1,7 @@
 """What a method is: a loss, the field that it is of, and how that is differentiated."""
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from torch import nn
@@ -25,18 +26,19 @@ class Method:
     """A loss Σ weight(t) · mean residual, the field that it is of, and the calculus that feeds its terms.
 
     knowledge: what is known of the points that are drawn. field: from width, depth, ω₀ of the preset, and the
-    generator. rate: times the preset's learning rate, which is for sine layers.
-    scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise.
+    generator. rates: its learning rate by the optimiser's name, where the preset's is not for its field.
+    scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise; None where there
+    is no curvature term.
     """
 
     name: str
     terms: dict[Term, Weight]
     calculus: Differentiation
     source: str
-    scheduled: Term = OFF_DIAGONAL_WEINGARTEN
+    scheduled: Term | None = OFF_DIAGONAL_WEINGARTEN
     knowledge: Knowledge = positions_alone
     field: FieldMaker = Siren
-    rate: float = 1.0
+    rates: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
     def scheduling(self, name: str) -> "Method":
         """The same method with another scheduled term. Raises OptionError for one that it has not."""
@@ -59,19 +61,38 @@ class Method:
         return replace(self, calculus=self.calculus.with_step(Schedule("linear", knots)))
 
     @property
+    def scheduled_term(self) -> Term:
+        """The scheduled term. Raises OptionError where there is none."""
+        if self.scheduled is None:
+            names = ", ".join(term.name for term in self.terms)
+            raise OptionError(f"Method {self.name} has no curvature term; say --term, one of {names}.")
+        return self.scheduled
+
+    @property
     def schedule(self) -> Weight:
         """The weight of the scheduled term."""
-        return self.terms[self.scheduled]
+        return self.terms[self.scheduled_term]
 
     def with_schedule(self, schedule: Weight) -> "Method":
         """The same method with another weight of its scheduled term."""
-        return replace(self, terms={**self.terms, self.scheduled: schedule})
+        return replace(self, terms={**self.terms, self.scheduled_term: schedule})
 
     def named_schedule(self, name: str) -> Weight:
-        """The schedule or adaptive weight of that name, scaled to this method's greatest weight."""
+        """The schedule or adaptive weight of that name, scaled to this method's greatest weight.
+
+        Raises OptionError for a name of neither, and for a rule that watches a term that is not here.
+        """
         if name in ADAPTIVE:
+            self.check_watched(name, ADAPTIVE[name].watches)
             return Adapted(name, constant(self.schedule.greatest))
         if name not in SCHEDULES:
             known = ", ".join((*SCHEDULES, *ADAPTIVE))
             raise OptionError(f"There is no schedule {name!r}; choose one of {known}.")
         return SCHEDULES[name].peaking(self.schedule.greatest)
+
+    def check_watched(self, rule: str, watched: str | None) -> None:
+        """Raise OptionError where a rule watches a term that this method has not."""
+        if watched is not None and watched not in (term.name for term in self.terms):
+            raise OptionError(
+                f"The weight {rule!r} watches the term {watched!r}, which method {self.name} has not."
+            )

@@ -26,33 +26,44 @@ from weingarten.terms.sign_agnostic import SIGN_AGNOSTIC
 from weingarten.terms.singular_hessian import SINGULAR_HESSIAN
 from weingarten.terms.term import Term
 
+RECIPE_EIKONAL = replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0))
 FIRST_ORDER: dict[Term, Weight] = {
     DIRICHLET: constant(7000.0),
     OFF_SURFACE_TERM: constant(100.0),
     FREE_SPACE: constant(1000.0),
-    replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0)): constant(50.0),
+    RECIPE_EIKONAL: constant(50.0),
 }
 """Of the recipe: the dear terms on fewer points, for the same mean; its noise is not what limits a fit."""
 
-PAPER_FIRST_ORDER: dict[Term, Weight] = {
-    DIRICHLET: constant(7000.0),
-    OFF_SURFACE_TERM: constant(600.0),
-    EIKONAL: constant(50.0),
+CURRICULUM: dict[Term, Weight] = {
+    CURRICULUM_SURFACE: constant(7000.0),
+    OFF_SURFACE_TERM: constant(100.0),
+    CURRICULUM_FREE_SPACE: constant(1000.0),
+    RECIPE_EIKONAL: constant(50.0),
 }
-CODE_FIRST_ORDER: dict[Term, Weight] = {
-    DIRICHLET: constant(7000.0),
-    OFF_SURFACE_TERM: constant(600.0),
-    EIKONAL_ABSOLUTE: constant(50.0),
-}
-"""Of arXiv 2511.03147 as written, and of the codes that it comes from."""
+"""The same with the curriculum's data terms."""
+
+
+def siren_loss(eikonal: Term, data: float = 7000.0, off_surface: float = 600.0) -> dict[Term, Weight]:
+    """SIREN's terms without normals; what came after it differs in weights and in the eikonal term."""
+    return {
+        DIRICHLET: constant(data),
+        OFF_SURFACE_TERM: constant(off_surface),
+        eikonal: constant(50.0),
+    }
+
 
 SIREN_EIKONAL = replace(EIKONAL_ABSOLUTE, domains=(SURFACE, OFF_SURFACE))
-DIGS: dict[Term, Weight] = {
-    DIRICHLET: constant(3000.0),
-    OFF_SURFACE_TERM: constant(100.0),
-    SIREN_EIKONAL: constant(50.0),
-}
-"""Of SIREN without normals, DiGS and StEik."""
+PAPER_FIRST_ORDER, CODE_FIRST_ORDER = siren_loss(EIKONAL), siren_loss(EIKONAL_ABSOLUTE)
+"""Of arXiv 2511.03147 as written, and of the codes that it comes from."""
+
+DIGS = siren_loss(SIREN_EIKONAL, data=3000.0, off_surface=100.0)
+STEIK = siren_loss(SIREN_EIKONAL, data=5000.0, off_surface=100.0)
+"""Of SIREN and DiGS, and of StEik, as it was run on ShapeNet."""
+
+NSH_FIRST_ORDER = siren_loss(replace(EIKONAL_ABSOLUTE, domains=(SURFACE,)))
+FD_FIRST_ORDER = siren_loss(SIREN_EIKONAL)
+"""Of Neural-Singular-Hessian and of arXiv 2511.08980."""
 
 EARLY = Schedule("quintic", ((0.0, 1.0), (0.1, 1.0), (0.3, 0.0)))
 """The recipe's: gone at 30 % of the fit."""
@@ -90,30 +101,15 @@ the last halve the term, of which only the near points' half is on: the half is 
 VANISHING = Schedule("linear", ((0.0, 100.0), (0.2, 100.0), (0.4, 0.0)))
 """Of the divergence and of the normal divergence."""
 
-COARSE_TO_FINE = Schedule("linear", ((0.0, 0.05), (0.5, 0.01)))
+COARSE_TO_FINE = Schedule("linear", tuple((0.06 * level, 0.275 * 0.5**level) for level in range(6)))
 GRID_STENCIL = Differences(step=COARSE_TO_FINE, inner=central_gradients)
-"""From a fifth of the coarsest grid's cell to one of the finest's."""
+"""From a cell of the coarsest grid to one of the finest, which it reaches when the curvature term is gone."""
 
-NSH_FIRST_ORDER: dict[Term, Weight] = {
-    DIRICHLET: constant(7000.0),
-    OFF_SURFACE_TERM: constant(600.0),
-    replace(EIKONAL_ABSOLUTE, domains=(SURFACE,)): constant(50.0),
-}
-FD_FIRST_ORDER: dict[Term, Weight] = {
-    DIRICHLET: constant(7000.0),
-    OFF_SURFACE_TERM: constant(600.0),
-    SIREN_EIKONAL: constant(50.0),
-}
-CURRICULUM: dict[Term, Weight] = {
-    CURRICULUM_SURFACE: constant(7000.0),
-    OFF_SURFACE_TERM: constant(100.0),
-    CURRICULUM_FREE_SPACE: constant(1000.0),
-    replace(EIKONAL_ABSOLUTE, shares=(0.5, 1.0)): constant(50.0),
-}
 FEW_ODW = replace(ODW, shares=(0.125,))
-SOFTPLUS_RATE, GRID_RATE, CLAMPED_RATE = 30.0, 5.0, 0.3
-"""What fields other than a plain SIREN bear of the standard preset's steps, found on a bundled part. Beyond
-its bounds nothing brings the clamped divergence back, so that steps as long as a SIREN's ruin it."""
+IGR_RATES, SAL_RATES = {"muon": 1.5e-2, "adam": 5e-3}, {"muon": 1.5e-2, "adam": 5e-4}
+GRID_RATES, QUADRATIC_RATES = {"muon": 2.5e-3, "adam": 1e-3}, {"muon": 5e-5}
+"""Learning rates of fields other than a plain SIREN: with Muon found on a bundled part, with Adam those of
+IGR, of SAL and of Neuralangelo. The quadratic layers' is StEik's own, with either."""
 
 IGR_EIKONAL = replace(EIKONAL_OF_NORM, shares=(0.125, 1.0))
 """An eighth of the points in the box, as its authors have them."""
@@ -145,39 +141,33 @@ METHODS = {
         replace(
             recipe("hash-grid", ODW, 3.0, GRID_STENCIL, "Instant-NGP's field, Neuralangelo's stencil"),
             field=hash_grid,
-            rate=GRID_RATE,
+            rates=GRID_RATES,
         ),
         Method(
             "igr",
             IGR_TERMS,
             exact,
             "arXiv 2002.10099, without normals",
-            IGR_EIKONAL,
+            scheduled=None,
             field=softplus_net,
-            rate=SOFTPLUS_RATE,
+            rates=IGR_RATES,
         ),
         Method(
             "sal",
             SAL_TERMS,
             exact,
             "arXiv 1911.10414",
-            SIGN_AGNOSTIC,
+            None,
             unsigned_distances,
             softplus_net,
-            SOFTPLUS_RATE,
+            SAL_RATES,
         ),
+        published("digs", DIGS, DIVERGENCE_CLAMPED, VANISHING, exact, "arXiv 2106.10811", sphere_siren),
         replace(
-            published("digs", DIGS, DIVERGENCE_CLAMPED, VANISHING, exact, "arXiv 2106.10811", sphere_siren),
-            rate=CLAMPED_RATE,
-        ),
-        published(
-            "steik",
-            DIGS,
-            NORMAL_DIVERGENCE,
-            VANISHING,
-            exact,
-            "arXiv 2305.18414",
-            quadratic_siren,
+            published(
+                "steik", STEIK, NORMAL_DIVERGENCE, VANISHING, exact, "arXiv 2305.18414", quadratic_siren
+            ),
+            rates=QUADRATIC_RATES,
         ),
         published(
             "neural-singular-hessian",
@@ -187,7 +177,7 @@ METHODS = {
             exact,
             "arXiv 2309.01793",
         ),
-        Method("siren", DIGS, exact, "arXiv 2006.09661, without normals", SIREN_EIKONAL),
+        Method("siren", DIGS, exact, "arXiv 2006.09661, without normals", None),
         published("odw-paper", PAPER_FIRST_ORDER, ODW, QUINTIC, exact, "arXiv 2511.03147"),
         published("odw-paper-fd", PAPER_FIRST_ORDER, ODW, QUINTIC, FLATCAD, "arXiv 2511.03147"),
         published("flatcad", CODE_FIRST_ORDER, ODW, TEN, exact, "arXiv 2506.16627"),

@@ -17,13 +17,13 @@ from weingarten.schedules.weight import weight_of
 class Settings:
     """Every choice of a fit, resolved; two fits with equal settings, points and device give the same mesh.
 
-    term: the one whose weight has this shape and these knots.
+    term: the one whose weight has this shape and these knots; all empty where none is scheduled.
     stencil: distances of the method's stencil over progress, unit lengths, if it has one.
     steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
     first step and at the last, in stages between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the field, as far as the method's has them.
-    resolution: cells along the longest side.
+    resolution: cells along the longest side. sharp: whether vertices are put on sharp edges.
     """
 
     preset: str
@@ -44,11 +44,14 @@ class Settings:
     depth: int
     frequency: float
     resolution: int
+    sharp: bool
 
     def resolved_method(self) -> Method:
         """The method's row with this fit's schedule and stencil."""
-        row = method_named(self.method).with_step(self.stencil).scheduling(self.term)
-        return row.with_schedule(weight_of(self.shape, self.knots))
+        row = method_named(self.method).with_step(self.stencil)
+        return (
+            row.scheduling(self.term).with_schedule(weight_of(self.shape, self.knots)) if self.term else row
+        )
 
     def field(self, generator: torch.Generator | None = None) -> nn.Module:
         """The method's field at this fit's size, with first weights drawn from the generator."""
@@ -73,7 +76,7 @@ class Settings:
 STANDARD = Settings(
     preset="standard",
     method="odw",
-    term=METHODS["odw"].scheduled.name,
+    term=METHODS["odw"].scheduled_term.name,
     shape="quintic",
     knots=METHODS["odw"].schedule.knots,
     stencil=(),
@@ -89,6 +92,7 @@ STANDARD = Settings(
     depth=5,
     frequency=30.0,
     resolution=256,
+    sharp=False,
 )
 FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, width=256, resolution=512)
 PAPER = replace(
@@ -120,6 +124,7 @@ def resolve(
     steps: int | None = None,
     points: int | None = None,
     resolution: int | None = None,
+    sharp: bool | None = None,
     rate: float | None = None,
 ) -> Settings:
     """Settings from a preset's name and what is to differ from it.
@@ -128,7 +133,9 @@ def resolve(
     knots: (time, weight) pairs; without a schedule's name they go with the method's own shape.
     term: the name of the term whose weight these are; by default the method's curvature term.
     stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.
-    rate: the learning rate at its greatest; by default the preset's, times what the method's field bears.
+    sharp: vertices on sharp edges, or marching cubes, which cuts them off.
+    rate: the learning rate at its greatest; by default the method's with the preset's optimiser, or the
+    preset's.
     Raises OptionError for an unknown name or a value out of range.
     """
     if preset not in PRESETS:
@@ -137,21 +144,17 @@ def resolve(
     row = method_named(method or base.method)
     row = row if term is None else row.scheduling(term)
     row = row if stencil is None else row.with_step(stencil)
-    weight = row.schedule if schedule is None else row.named_schedule(schedule)
-    if knots is not None:
-        weight = weight_of(weight.shape, knots)
     settings = replace(
         base,
         method=row.name,
-        term=row.scheduled.name,
+        **scheduled(row, schedule, knots),
         stencil=row.step,
-        shape=weight.shape,
-        knots=weight.knots,
         seed=seed,
-        rate=base.rate * row.rate if rate is None else rate,
+        rate=row.rates.get(base.optimiser, base.rate) if rate is None else rate,
         steps=base.steps if steps is None else steps,
         points=base.points if points is None else points,
         resolution=base.resolution if resolution is None else resolution,
+        sharp=base.sharp if sharp is None else sharp,
     )
     check_range("--seed", settings.seed, 0, 2**63 - 1)
     check_range("--steps", settings.steps, 1, 10_000_000)
@@ -160,6 +163,16 @@ def resolve(
     if not 0.0 < settings.rate <= 1.0:
         raise OptionError(f"--rate must be above 0 and at most 1; got {settings.rate:g}.")
     return settings
+
+
+def scheduled(row: Method, schedule: str | None, knots: Knots | None) -> dict[str, Any]:
+    """Which term's weight a fit schedules, and how: empty where the method schedules none and nobody asks."""
+    if row.scheduled is None and schedule is None and knots is None:
+        return {"term": "", "shape": "", "knots": ()}
+    weight = row.schedule if schedule is None else row.named_schedule(schedule)
+    if knots is not None:
+        weight = weight_of(weight.shape, knots)
+    return {"term": row.scheduled_term.name, "shape": weight.shape, "knots": weight.knots}
 
 
 def check_range(name: str, value: int, least: int, most: int) -> None:

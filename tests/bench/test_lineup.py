@@ -21,6 +21,11 @@ def test_a_method_brings_its_field_stencil_and_rate_with_it():
     assert grid.settings == resolve(method="hash-grid")
 
 
+def test_a_method_without_a_curvature_term_comes_once():
+    made = lineup(["odw", "igr", "siren@9"], ["linear", "quintic"], resolve())
+    assert [one.name for one in made] == ["odw-linear", "odw-quintic", "igr", "siren@9"]
+
+
 def test_a_method_may_have_steps_of_its_own():
     made = lineup(["odw", "odw@400"], ["own"], resolve())
     assert [(one.name, one.settings.steps) for one in made] == [("odw", 650), ("odw@400", 400)]

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from weingarten.fields.choice import sphere_siren
-from weingarten.fields.sphered import fibonacci
+from weingarten.fields.sphered import Sphered, fibonacci
 
 
 @pytest.fixture
@@ -35,11 +35,13 @@ def test_forward_is_the_outer_function_of_the_inner_field(field, generator):
     torch.testing.assert_close(field(points), field.outer(field.inner(points)).value)
 
 
-def test_it_is_zero_and_steep_at_the_radius(field):
-    directions = fibonacci(512)
-    near, at, far = (field(k * directions).mean().item() for k in (0.9, 1.0, 1.1))
+@pytest.mark.parametrize(("radius", "slope"), [(1.0, 1.0), (0.5, 1.0), (1.6 / 1.11, 0.111)])
+def test_it_is_zero_and_as_steep_as_asked_at_the_radius(generator, radius, slope):
+    inner = sphere_siren(32, 3, 30.0, generator).inner
+    sphered, directions = Sphered(inner, radius, slope), fibonacci(512).float()
+    near, at, far = (sphered(k * radius * directions).mean().item() for k in (0.9, 1.0, 1.1))
     assert at == pytest.approx(0.0, abs=1e-3)
-    assert far - near == pytest.approx(0.2, abs=1e-3)
+    assert far - near == pytest.approx(0.2 * radius * slope, rel=1e-2)
 
 
 def test_scale_and_offset_go_with_the_weights(field, generator):

@@ -83,6 +83,14 @@ def test_the_methods_fields_point_outwards(make):
     assert field(1.8 * torch.eye(3)).min() > 0.0 > field(torch.zeros(1, 3)).item()
 
 
+@pytest.mark.parametrize("make", [sphere_siren, quadratic_siren])
+def test_digs_and_steik_begin_as_the_authors_have_it(make):
+    points = box()
+    with torch.no_grad():
+        found = make(256, 5, 30.0, seeded(3))(points)
+    assert (found - 0.1 * (1.11 * points.norm(dim=1) - 1.6)).abs().mean() < 0.005
+
+
 @pytest.mark.parametrize("make", [sphere_siren, quadratic_siren, softplus_net, hash_grid])
 def test_the_generator_alone_decides(make):
     fields = []

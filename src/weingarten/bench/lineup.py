@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from weingarten.bench.contender import POISSON, Contender, Neural, Poisson
 from weingarten.errors import OptionError
+from weingarten.methods import method_named
 from weingarten.settings import Settings, resolve
 
 OWN, NONE = "own", "none"
@@ -21,9 +22,10 @@ def lineup(
     """Every method under every schedule, as "METHOD-SCHEDULE" or, with its own schedule, "METHOD".
 
     methods: names of METHODS, with steps of their own where "@STEPS" follows, which stays in the contender's
-    name; or "poisson", which has no schedule and comes once. schedules: names of SCHEDULES, or "own".
-    budget: everything else. weight: the greatest one of a named schedule, by default
-    the method's own greatest; it becomes part of the name, "odw-linear-w10". oracle: stop by the truth.
+    name; or "poisson". It and methods without a curvature term have nothing to schedule and come once, as
+    "METHOD". schedules: names of SCHEDULES, or "own". budget: everything else. weight: the greatest one of a
+    named schedule, by default the method's own greatest; it becomes part of the name, "odw-linear-w10".
+    oracle: stop by the truth.
 
     Raises OptionError for a name that is unknown or comes twice.
     """
@@ -32,7 +34,8 @@ def lineup(
         if method == POISSON:
             made.append(Poisson())
         else:
-            made.extend(neural(method, schedule, budget, weight, oracle) for schedule in schedules)
+            own = schedules if method_named(method.partition("@")[0]).scheduled else [OWN]
+            made.extend(neural(method, schedule, budget, weight, oracle) for schedule in own)
     names = [one.name for one in made]
     twice = {name for name in names if names.count(name) > 1}
     if twice:

@@ -1,7 +1,7 @@
 """Fields by the name of what began them, as rows of methods have them: from width, depth, ω₀ and a generator.
 
-All but `Siren` itself are a sphere's distance at first. What a field has no use for is not read: ω₀ of a
-softplus network, or all of the sizes of a hash grid, which are its own.
+All but `Siren` itself are a sphere's distance at first, or a multiple of it. What a field has no use for is
+not read: ω₀ of a softplus network, or all of the sizes of a hash grid, which are its own.
 """
 
 from collections.abc import Callable
@@ -16,17 +16,22 @@ from weingarten.fields.siren import Siren
 from weingarten.fields.softplus import SoftplusNet
 from weingarten.fields.sphered import Sphered
 
+DIGS_RADIUS, DIGS_SLOPE = 1.6 / 1.11, 0.111
+"""Of the authors' first field, 0.1 (1.11 ‖x‖ − 1.6), unit lengths: a sphere around the whole box, ten times
+flatter than a distance."""
+
 FieldMaker = Callable[[int, int, float, torch.Generator | None], nn.Module]
 
 
 def sphere_siren(width: int, depth: int, frequency: float, generator: torch.Generator | None) -> Sphered:
     """DiGS's: multi-frequency geometric initialisation."""
-    return Sphered(begun(width, depth, frequency, generator))
+    return Sphered(begun(width, depth, frequency, generator), DIGS_RADIUS, DIGS_SLOPE)
 
 
 def quadratic_siren(width: int, depth: int, frequency: float, generator: torch.Generator | None) -> Sphered:
     """StEik's: the same, of quadratic layers."""
-    return Sphered(QuadraticSiren(begun(width, depth, frequency, generator), generator))
+    inner = QuadraticSiren(begun(width, depth, frequency, generator), generator)
+    return Sphered(inner, DIGS_RADIUS, DIGS_SLOPE)
 
 
 def softplus_net(width: int, depth: int, frequency: float, generator: torch.Generator | None) -> SoftplusNet:

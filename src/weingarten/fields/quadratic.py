@@ -44,8 +44,10 @@ class QuadraticSiren(nn.Module):
 
     @property
     def hidden(self) -> list[nn.Parameter]:
-        """The square matrices between sine layers."""
-        matrices = [matrix for layer in list(self.layers)[1:-1] for matrix in (layer.A, layer.B, layer.C)]
+        """The square matrices A between sine layers. B and C, next to zero, are no such matrices: steps of
+        Muon, as long as A's, would be all there is of them.
+        """
+        matrices = [layer.A for layer in list(self.layers)[1:-1]]
         return [matrix for matrix in matrices if isinstance(matrix, nn.Parameter)]
 
     def forward(self, points: Float[Tensor, "n 3"]) -> Float[Tensor, " n"]:

@@ -2,7 +2,7 @@
 
     f = φ(g),   φ(g) = s (sgn(g) √(|g| + ε) − √ε sgn(g) − ρ)
 
-with g the inner network; s and ρ make it ‖x‖ − r at ‖x‖ = r when it is made. ‖x‖ → 0 has no derivative; ε
+with g the inner network; s and ρ make it c (‖x‖ − r) at ‖x‖ = r when it is made. ‖x‖ → 0 has no derivative; ε
 rounds it off. All jets of f are those of g and three derivatives of φ: ∇f = φ' ∇g, H_f = φ' H_g + φ'' ∇g
 ∇gᵀ.
 """
@@ -18,7 +18,8 @@ from weingarten.fields.quadratic import QuadraticSiren
 from weingarten.fields.siren import Siren
 
 ROUNDING = 1e-4
-"""ε, unit lengths squared: within about a hundredth of the origin, and of g = 0, the root is a smooth one."""
+"""ε, of g, which is ⅛ π² times a squared unit length at first: within about a hundredth of the origin, and
+wherever g is about 0 later, the root is a smooth one. The authors' is 10⁻⁸; its slope is up to 5,000."""
 
 DIRECTIONS = 512
 """Directions in which the beginning is measured."""
@@ -33,21 +34,21 @@ class Outer(NamedTuple):
 
 
 class Sphered(nn.Module):
-    """f: (n, 3) → (n,), ‖x‖ − radius at first where the inner network has been so initialised.
+    """f: (n, 3) → (n,), slope · (‖x‖ − radius) at first where the inner network has been so initialised.
 
     inner: a SIREN after `weingarten.fields.initialise`, or one of quadratic layers made of it.
-    radius: unit lengths; 1 takes in most of a part in its box, so that the surface shrinks onto it.
+    radius: unit lengths.
     """
 
     scale: Tensor
     offset: Tensor
 
-    def __init__(self, inner: Siren | QuadraticSiren, radius: float = 1.0) -> None:
+    def __init__(self, inner: Siren | QuadraticSiren, radius: float = 1.0, slope: float = 1.0) -> None:
         super().__init__()
         self.inner = inner
         self.register_buffer("scale", torch.ones(()))
         self.register_buffer("offset", torch.zeros(()))
-        self.calibrate(radius)
+        self.calibrate(radius, slope)
 
     @property
     def hidden(self) -> list[nn.Parameter]:
@@ -55,11 +56,11 @@ class Sphered(nn.Module):
         return self.inner.hidden
 
     @torch.no_grad()
-    def calibrate(self, radius: float) -> None:
-        """Choose s and ρ: mean f zero at the radius, mean radial slope one about it."""
+    def calibrate(self, radius: float, slope: float) -> None:
+        """Choose s and ρ: mean f zero at the radius, that mean radial slope about it."""
         directions = fibonacci(DIRECTIONS).to(self.offset)
         near, at, far = (self.root(self.inner(k * radius * directions)).mean() for k in (0.9, 1.0, 1.1))
-        self.scale.copy_(0.2 * radius / (far - near))
+        self.scale.copy_(0.2 * radius * slope / (far - near))
         self.offset.copy_(at)
 
     def root(self, g: Float[Tensor, "..."]) -> Float[Tensor, "..."]:

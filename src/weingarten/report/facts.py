@@ -27,6 +27,7 @@ LABELS = {
     "shape": "schedule",
     "knots": "weight, t : w",
     "stencil": "stencil, t : h",
+    "sharp": "sharp edges",
     "rate": "learning rate",
     "decay": "decay of the rate",
     "ramp": "points, first and last step",
@@ -168,7 +169,7 @@ def settings(found: Sequence[Result], names: Sequence[str]) -> Settings:
         kind = kept.get("kind", NEURAL)
         for key, value in kept.items():
             its = key if kind == NEURAL or key in ("kind", "oracle") else f"{kind} {key}"
-            own[one.contender].setdefault(its, in_words(key, value))
+            own[one.contender].setdefault(its, in_words(key, value) or NONE)
     keys = list(dict.fromkeys(key for values in own.values() for key in values))
     values = {key: {one[key] for one in own.values() if key in one} for key in keys}
     alone = len(names) == 1
