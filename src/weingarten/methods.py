@@ -8,7 +8,7 @@ from weingarten.errors import OptionError
 from weingarten.fields.choice import FieldMaker, hash_grid, quadratic_siren, softplus_net, sphere_siren
 from weingarten.fields.siren import Siren
 from weingarten.method import Differentiation, Method
-from weingarten.scan.knowledge import signs_of_free_space, unsigned_distances
+from weingarten.scan.knowledge import signs_and_normals, signs_of_free_space, unsigned_distances
 from weingarten.scan.sample import OFF_SURFACE, SURFACE
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.schedules.weight import Weight
@@ -19,6 +19,7 @@ from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM
 from weingarten.terms.free_space import FREE_SPACE
 from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
 from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
+from weingarten.terms.normals import NORMALS
 from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.principal_curvature import SMALLER_CURVATURE
@@ -42,6 +43,9 @@ CURRICULUM: dict[Term, Weight] = {
     RECIPE_EIKONAL: constant(50.0),
 }
 """The same with the curriculum's data terms."""
+
+ORIENTED: dict[Term, Weight] = {**FIRST_ORDER, replace(NORMALS, shares=(0.5,)): constant(30.0)}
+"""The same with the normals' directions, at the points whose gradient the eikonal term has asked for."""
 
 
 def siren_loss(eikonal: Term, data: float = 7000.0, off_surface: float = 600.0) -> dict[Term, Weight]:
@@ -121,6 +125,11 @@ METHODS = {
     method.name: method
     for method in (
         recipe("odw", ODW, 3.0, exact, "arXiv 2511.03147"),
+        replace(
+            recipe("odw-oriented", ODW, 3.0, exact, "ours: normals that free space orients"),
+            terms={**ORIENTED, FEW_ODW: EARLY.peaking(3.0)},
+            knowledge=signs_and_normals,
+        ),
         recipe("odw-fd", ODW, 3.0, FLATCAD, "arXiv 2506.16627 (FlatCAD-FD)"),
         recipe("frame-free", FRAME_FREE, 3.0, exact, "ours: the mean over all frames"),
         recipe("smaller-curvature", SMALLER_CURVATURE, 3.0, exact, "ours: flat in one direction"),

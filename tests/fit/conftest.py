@@ -13,7 +13,8 @@ from weingarten.frame import Frame
 from weingarten.samples.parts import sample_part
 from weingarten.scan.draws import CloudDraws, MeasuredDraws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
-from weingarten.scan.knowledge import unsigned_distances
+from weingarten.scan.knowledge import signs_and_normals, unsigned_distances
+from weingarten.scan.oriented_draws import OrientedDraws
 
 
 class InDouble:
@@ -28,7 +29,7 @@ class InDouble:
 
     @staticmethod
     def double(sample):
-        known = {name: getattr(sample, name) for name in ("distance", "unsigned")}
+        known = {name: getattr(sample, name) for name in ("distance", "unsigned", "normals")}
         known = {name: value if value is None else value.double() for name, value in known.items()}
         return replace(sample, points=sample.points.double(), **known)
 
@@ -54,8 +55,12 @@ def signed_draws(cloud):
 @pytest.fixture(scope="session")
 def draws_for(cloud, signed_draws):
     """From a method to draws that know what it asks for; signs, too, of methods that do not ask."""
-    measured = MeasuredDraws(cloud, KDTree(cloud), torch.Generator().manual_seed(0))
-    return lambda method: measured if method.knowledge is unsigned_distances else signed_draws
+    tree = KDTree(cloud)
+    measured = MeasuredDraws(cloud, tree, torch.Generator().manual_seed(0))
+    space = FreeSpace.of(cloud, tree, 1.1)
+    oriented = OrientedDraws(cloud, tree, space, torch.Generator().manual_seed(0))
+    known = {unsigned_distances: measured, signs_and_normals: oriented}
+    return lambda method: known.get(method.knowledge, signed_draws)
 
 
 @pytest.fixture

@@ -15,10 +15,10 @@ from weingarten.fit.optimisers import adam, cosine, muon
 from weingarten.frame import Frame
 from weingarten.methods import METHODS
 from weingarten.samples.parts import sample_part
-from weingarten.scan.draws import SignedDraws
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.generators import Generators
 from weingarten.scan.interleaved import Interleaved
+from weingarten.scan.oriented_draws import OrientedDraws
 from weingarten.schedules.schedule import constant
 
 STEPS = 30
@@ -33,14 +33,7 @@ class InDouble:
 
     def __call__(self, count, generator):
         samples = self.inner(count, generator)
-        return {
-            name: replace(
-                sample,
-                points=sample.points.double(),
-                distance=None if sample.distance is None else sample.distance.double(),
-            )
-            for name, sample in samples.items()
-        }
+        return {name: sample.each(torch.Tensor.double) for name, sample in samples.items()}
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +45,7 @@ def parts():
         points = Frame.of(points).to_unit(points)
         tree = KDTree(points)
         space = FreeSpace.of(points, tree, 1.1)
-        found.append(SignedDraws(points, tree, space, torch.Generator().manual_seed(i)))
+        found.append(OrientedDraws(points, tree, space, torch.Generator().manual_seed(i)))
     return found
 
 

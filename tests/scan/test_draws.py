@@ -6,6 +6,7 @@ import torch
 from scipy.spatial import KDTree
 
 from weingarten.scan.draws import (
+    POOL,
     REACH,
     CloudDraws,
     MeasuredDraws,
@@ -15,6 +16,7 @@ from weingarten.scan.draws import (
     uniform_in_box,
 )
 from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.oriented_draws import OrientedDraws
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
 
@@ -153,6 +155,34 @@ def test_signed_draws_repeat_with_their_generators(cloud, tree):
     assert torch.equal(pairs[0].distance.nan_to_num(9), pairs[1].distance.nan_to_num(9))
 
 
+def test_oriented_draws_know_normals_and_signs_next_to_the_cloud(cloud, tree):
+    space = FreeSpace.of(cloud, tree, REACH)
+    draws = OrientedDraws(cloud, tree, space, seeded())
+    samples = draws(4000, seeded())
+    surface, off = samples[SURFACE], samples[OFF_SURFACE]
+    assert samples[NEAR].normals is None
+    assert surface.normals is not None
+    along = (surface.normals * surface.points).sum(1)
+    assert torch.allclose(along, surface.normals.norm(dim=1), atol=0.02)
+    known = ~off.distance.isnan()
+    distance, radius = off.distance[known], off.points[known].norm(dim=1)
+    within = distance.abs() < 0.5 * space.shell
+    assert 0.15 < within.float().mean() < 0.5
+    # a plane of normal m through a point of the sphere errs by less than half the square of the way to it
+    assert ((distance - (radius - 1))[within]).abs().max() < 0.5 * space.shell**2 + 0.02
+    assert (distance.sign() == (radius - 1).sign())[distance.abs() > 0.1 * space.shell].all()
+
+
+def test_oriented_draws_are_signed_draws_where_no_normal_is_known(cloud, tree):
+    """With one sign for all witnesses there is none to believe: an open sheet."""
+    sheet = cloud * np.array([1.0, 1.0, 0.0]) * 0.9
+    open_tree = KDTree(sheet)
+    space = FreeSpace.of(sheet, open_tree, REACH)
+    draws = OrientedDraws(sheet, open_tree, space, seeded())
+    assert draws.normals.norm(dim=1).median() < 0.05
+    assert len(draws.pool) <= POOL
+
+
 def test_measured_draws_know_the_distance_to_the_cloud(cloud, tree):
     samples = MeasuredDraws(cloud, tree, seeded())(2000, seeded())
     assert samples[SURFACE].unsigned is None
@@ -175,8 +205,8 @@ def test_samples_split_into_consecutive_pieces():
 
 
 def test_draws_move_with_all_that_they_hold(cloud, tree):
-    draws = SignedDraws(cloud, tree, FreeSpace.of(cloud, tree, REACH), seeded())
+    draws = OrientedDraws(cloud, tree, FreeSpace.of(cloud, tree, REACH), seeded())
     held = [name for name, value in vars(draws).items() if isinstance(value, torch.Tensor)]
-    assert len(held) == 4
+    assert len(held) == 5
     draws.move(torch.device("meta"))
     assert all(getattr(draws, name).is_meta for name in held)

@@ -9,7 +9,8 @@ from weingarten.scan.draws import REACH, CloudDraws, MeasuredDraws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.generators import Generators
 from weingarten.scan.interleaved import Interleaved
-from weingarten.scan.sample import OFF_SURFACE
+from weingarten.scan.oriented_draws import OrientedDraws
+from weingarten.scan.sample import OFF_SURFACE, SURFACE
 
 
 def ball(count, seed):
@@ -37,7 +38,13 @@ def measured_draws(count, seed):
     return MeasuredDraws(points, KDTree(points), seeded(seed))
 
 
-@pytest.mark.parametrize("build", [cloud_draws, signed_draws, measured_draws])
+def oriented_draws(count, seed):
+    points = ball(count, seed)
+    tree = KDTree(points)
+    return OrientedDraws(points, tree, FreeSpace.of(points, tree, REACH), seeded(seed))
+
+
+@pytest.mark.parametrize("build", [cloud_draws, signed_draws, measured_draws, oriented_draws])
 @pytest.mark.parametrize("count", [50, 400])
 def test_row_k_holds_the_kth_point_of_each_part(build, count):
     members = [build(300 + 100 * i, i) for i in range(3)]
@@ -54,7 +61,8 @@ def test_row_k_holds_the_kth_point_of_each_part(build, count):
                 assert torch.equal(found[name].points[:, i], sample.points)
                 assert torch.equal(found[name].angles[:, i], sample.angles)
                 assert found[name].tensors.keys() == sample.tensors.keys()
-        assert ("distance" in found[OFF_SURFACE].tensors) == (build is signed_draws)
+        assert ("distance" in found[OFF_SURFACE].tensors) == (build in (signed_draws, oriented_draws))
+        assert ("normals" in found[SURFACE].tensors) == (build is oriented_draws)
         assert ("unsigned" in found[OFF_SURFACE].tensors) == (build is measured_draws)
 
 

@@ -11,7 +11,7 @@ from weingarten.calculus.analytic import Analytic
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.calculus.exact import Cone, Cylinder, Plane, Sphere, Torus
 from weingarten.calculus.finite_difference import CROSS, DIAGONAL, FiniteDifference
-from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE
+from weingarten.calculus.jet import GRADIENT, HESSIAN, TANGENT, VALUE, tangent_frame
 from weingarten.fields.siren import Siren
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 from weingarten.terms.curriculum import CURRICULUM_FREE_SPACE, CURRICULUM_SURFACE
@@ -21,6 +21,7 @@ from weingarten.terms.eikonal import EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM
 from weingarten.terms.free_space import FREE_SPACE
 from weingarten.terms.gaussian_curvature import DOUBLE_TROUGH, GAUSSIAN_CURVATURE
 from weingarten.terms.normal_divergence import NORMAL_DIVERGENCE
+from weingarten.terms.normals import NORMALS
 from weingarten.terms.off_diagonal_weingarten import FRAME_FREE_WEINGARTEN, OFF_DIAGONAL_WEINGARTEN
 from weingarten.terms.off_surface import OFF_SURFACE_TERM
 from weingarten.terms.principal_curvature import SMALLER_CURVATURE
@@ -46,7 +47,7 @@ CURVATURE_TERMS = (
     DIVERGENCE_CLAMPED,
     NORMAL_DIVERGENCE,
 )
-FIRST_ORDER = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM, FREE_SPACE)
+FIRST_ORDER = (DIRICHLET, OFF_SURFACE_TERM, EIKONAL, EIKONAL_ABSOLUTE, EIKONAL_OF_NORM, FREE_SPACE, NORMALS)
 TERMS = (*FIRST_ORDER, *CURVATURE_TERMS)
 NAMES = [term.residual.__module__.rpartition(".")[2] + "." + term.residual.__name__ for term in TERMS]
 CURVATURE_NAMES = NAMES[-len(CURVATURE_TERMS) :]
@@ -111,6 +112,21 @@ def curvatures(shape, points):
     return feet / (1 + feet * f.detach()[:, None])
 
 
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+@pytest.mark.parametrize("factor", [1.0, 0.3, -2.0])
+def test_normals_lose_their_length_times_one_minus_the_cosine(shape, factor):
+    """Whatever the factor's size: 0 for the gradient's own direction, 2‖m‖ against it, ‖m‖ across."""
+    points, angles = draw()
+    at = points.clone().requires_grad_(True)
+    (n,) = torch.autograd.grad(shape(at).sum(), at)
+    u, _ = tangent_frame(n, angles)
+    trust = torch.linspace(0.1, 1.0, len(points), dtype=torch.float64)
+    jet = Autodiff(Scaled(shape, factor))(points, NORMALS.order, None)
+    for normals, expected in ((n, 1.0 - math.copysign(1.0, factor)), (u, 1.0)):
+        found = NORMALS.residual(jet, Sample(points, normals=trust[:, None] * normals))
+        near(found.detach(), expected * trust)
+
+
 def test_where_and_how_far_each_term_looks():
     """Method §2's table."""
     assert [(term.domains, term.order) for term in TERMS] == [
@@ -120,6 +136,7 @@ def test_where_and_how_far_each_term_looks():
         ((SURFACE, NEAR), GRADIENT),
         ((OFF_SURFACE, NEAR), GRADIENT),
         ((OFF_SURFACE,), VALUE),
+        ((SURFACE,), GRADIENT),
         *[((NEAR,), TANGENT)] * 5,
         ((NEAR,), HESSIAN),
         *[((OFF_SURFACE,), HESSIAN)] * 3,
@@ -321,7 +338,9 @@ class Softplus(torch.nn.Module):
 @pytest.mark.parametrize("make", [Softplus, lambda: Siren(16, 3)], ids=["theirs", "ours"])
 def test_a_term_alone_lowers_itself_in_any_training_loop(term, make):
     model, points = make(), draw(100)[0].float()
-    known = {"distance": points.norm(dim=-1) - 0.5} if term is FREE_SPACE else {}
+    radius = points.norm(dim=-1, keepdim=True)
+    told = {FREE_SPACE: {"distance": radius[:, 0] - 0.5}, NORMALS: {"normals": points / radius}}
+    known = told.get(term, {})
     optimiser = torch.optim.Adam(model.parameters(), lr=1e-4)
     angles = torch.zeros(100)
     before = term(model, points, angles, **known).mean().item()

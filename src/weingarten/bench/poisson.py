@@ -24,6 +24,7 @@ from weingarten.frame import Frame
 from weingarten.mesh import Mesh
 from weingarten.metrics.topology import volume
 from weingarten.scan.diagnose import diagnose
+from weingarten.scan.normals import plane_normals
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -110,15 +111,9 @@ def oriented_normals(points: Points, neighbours: int = NEIGHBOURS) -> Points:
             f"The cloud has {len(points)} points, too few for {neighbours} neighbours each; give more points."
         )
     near = np.asarray(KDTree(points).query(points, k=neighbours + 1, workers=-1)[1], dtype=np.int64)
-    normals = _plane_normals(points[near])
+    normals = plane_normals(points[near])[0]
     parents = _parents(_spanning_tree(normals, near[:, 1:]), points[:, 2])
     return normals * _signs(normals, parents)[:, None]
-
-
-def _plane_normals(patches: Float64[np.ndarray, "n k 3"]) -> Points:
-    """The unit normal of the plane of least squares through each patch, of arbitrary sign."""
-    centred = patches - patches.mean(axis=1, keepdims=True)
-    return np.linalg.eigh(centred.transpose(0, 2, 1) @ centred)[1][:, :, 0]
 
 
 def _spanning_tree(normals: Points, near: Int64[np.ndarray, "n k"]) -> csr_matrix:

@@ -56,14 +56,18 @@ class CloudDraws:
     def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]:
         """The samples of one step, on the device of the generator."""
         chosen = spread(count, len(self.points), generator)
-        surface = self.points[chosen]
-        near = self.near(surface, chosen, generator)
+        surface = self.surface(chosen)
+        near = self.near(surface.points, chosen, generator)
         samples = {
-            SURFACE: Sample(surface),
+            SURFACE: surface,
             OFF_SURFACE: self.off_surface(count, generator),
             NEAR: near,
         }
         return {name: replace(sample, angles=angles(count, generator)) for name, sample in samples.items()}
+
+    def surface(self, chosen: Tensor) -> Sample:
+        """The points of these numbers."""
+        return Sample(self.points[chosen])
 
     def near(self, surface: Float[Tensor, "n 3"], chosen: Tensor, generator: torch.Generator) -> Sample:
         """About the surface draw, which are the points number `chosen`."""
@@ -80,6 +84,8 @@ class SignedDraws(CloudDraws):
 
     Uniform draws seldom fall into thin walls and narrow gaps, and there the sign matters most: so FAR of the
     points are uniform in the box, the others lie about the cloud, at N(0, SPREAD²), where signs are known.
+
+    nearest: to each point of the pool whose distance is known, the number of the cloud's nearest; else −1.
     """
 
     def __init__(
@@ -96,7 +102,8 @@ class SignedDraws(CloudDraws):
         labelled = torch.from_numpy(space.signs(positions(close)) != 0)
         close = close[labelled & (close.abs().amax(dim=1) < REACH)]
         self.pool = torch.cat([far, close[: POOL - len(far)]])
-        self.distance = torch.from_numpy(space.signed_distance(positions(self.pool)))
+        distance, self.nearest = space.told(positions(self.pool))
+        self.distance = torch.from_numpy(distance)
 
     def move(self, device: torch.device) -> None:
         """See CloudDraws."""

@@ -14,7 +14,7 @@ in doubt:
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float32, Float64, Int8, Int32
+from jaxtyping import Bool, Float32, Float64, Int8, Int32, Int64
 from scipy.ndimage import binary_dilation, label
 from scipy.spatial import KDTree
 
@@ -96,16 +96,25 @@ class FreeSpace:
         return self.labels[tuple(index.T)]
 
     def signed_distance(self, points: Float64[np.ndarray, "n 3"]) -> Float32[np.ndarray, " n"]:
-        """Distance to the nearest point of the cloud with the cell's sign; NaN where nothing is certain.
+        """Distance to the nearest point of the cloud with the cell's sign; NaN where nothing is certain."""
+        return self.told(points)[0]
+
+    def told(
+        self, points: Float64[np.ndarray, "n 3"]
+    ) -> tuple[Float32[np.ndarray, " n"], Int64[np.ndarray, " n"]]:
+        """The signed distance, and the number of the nearest point; NaN and −1 where nothing is certain.
 
         A cell's label need not hold in all of the cell, so a point must itself keep CLEARANCE from the cloud.
         """
         signs = self.signs(points)
-        told = np.flatnonzero(signs)
-        gap = self.tree.query(points[told], workers=-1)[0]
+        labelled = np.flatnonzero(signs)
+        gap, found = self.tree.query(points[labelled], workers=-1)
+        clear = gap > CLEARANCE * self.shell
+        certain = labelled[clear]
         distance = np.full(len(points), np.nan, dtype=np.float32)
-        distance[told] = np.where(gap > CLEARANCE * self.shell, signs[told] * gap, np.nan)
-        return distance
+        nearest = np.full(len(points), -1, dtype=np.int64)
+        distance[certain], nearest[certain] = signs[certain] * gap[clear], found[clear]
+        return distance, nearest
 
     @property
     def known_inside(self) -> float:

@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from weingarten.scan.draws import REACH, CloudDraws, MeasuredDraws, SignedDraws
 from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.oriented_draws import OrientedDraws
 
 Points = Float64[np.ndarray, "n 3"]
 Knowledge = Callable[[Points, KDTree, torch.Generator], tuple[CloudDraws, tuple[str, ...]]]
@@ -31,6 +32,14 @@ def signs_of_free_space(
     """Signed distances where empty space tells inside from outside."""
     space = FreeSpace.of(unit, tree, REACH)
     return SignedDraws(unit, tree, space, generator), space.notes
+
+
+def signs_and_normals(
+    unit: Points, tree: KDTree, generator: torch.Generator
+) -> tuple[CloudDraws, tuple[str, ...]]:
+    """Normals too, whose signs empty space tells, and signed distances near the points, by their normals."""
+    space = FreeSpace.of(unit, tree, REACH)
+    return OrientedDraws(unit, tree, space, generator), space.notes
 
 
 def unsigned_distances(

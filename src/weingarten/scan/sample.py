@@ -18,6 +18,7 @@ class Sample:
     distance: signed distance known from free space, NaN where nothing is known; None on other domains.
     angles: by which tangent frames are turned, radians; None where no frame will be asked for.
     unsigned: distance to the nearest point of the cloud, unit lengths; None where it was not worked out.
+    normals: outward, as long as they are to be trusted, from 0 to 1; None where they were not estimated.
     progress: t = step / steps of the step that they were drawn for, where a term asks for it; else 0.
     """
 
@@ -25,6 +26,7 @@ class Sample:
     distance: Float[Tensor, "n *m"] | None = None
     angles: Float[Tensor, "n *m"] | None = None
     unsigned: Float[Tensor, "n *m"] | None = None
+    normals: Float[Tensor, "n *m 3"] | None = None
     progress: float = 0.0
 
     @property

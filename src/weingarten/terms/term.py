@@ -40,7 +40,7 @@ class Term:
         field: nn.Module | Calculus,
         points: Float[Tensor, "n *m 3"],
         angles: Float[Tensor, "n *m"] | None = None,
-        **known: Float[Tensor, "n *m"],
+        **known: Float[Tensor, "n ..."],
     ) -> Float[Tensor, "n *m"]:
         """The residuals of any field f: (n, 3) → (n,) at points of its unit, differentiable by its weights.
 

@@ -1,0 +1,106 @@
+"""Normals of a cloud: directions from neighbourhoods, signs from free space, spread along the surface.
+
+A point's normal is the direction of least variance of its neighbourhood. Its sign is told by witnesses:
+points of known signed distance whose nearest point of the cloud it is, so that nothing of the surface lies
+between them. From there signs spread to where no witness is, into thin walls and narrow gaps, as the
+minimiser of
+
+    E(x) = ½ Σᵢⱼ wᵢⱼ (xᵢ − sᵢⱼ xⱼ)² + WITNESS Σᵢ |mᵢ| (xᵢ − sgn mᵢ)² + DOUBT Σᵢ xᵢ²
+
+over pairs of neighbours, with sᵢⱼ = sgn nᵢ·nⱼ, wᵢⱼ = (nᵢ·nⱼ)² exp(−(cᵢⱼ / LEVEL)²) and cᵢⱼ the greater
+|cosine| between the way from i to j and the two normals: across a wall the way leaves the tangent plane.
+mᵢ ∈ [−1, 1] is the mean cosine between a point's normal and the ways to its witnesses, with their signs.
+xᵢ ∈ [−1, 1] has the sign of the normal, and |xᵢ| says how sure it is: where witnesses contradict each other
+they cancel, and where there are none DOUBT has it. Like the harmonic extension of labels over a graph (Zhu,
+Ghahramani & Lafferty 2003) with signs on the edges; Hoppe et al. 1992 spread them along a spanning tree,
+where one wrong edge turns all that follows.
+"""
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from scipy.sparse import csr_matrix, diags
+from scipy.sparse.linalg import cg
+from scipy.spatial import KDTree
+
+from weingarten.scan.normals import plane_normals
+
+Points = Float64[np.ndarray, "n 3"]
+
+NEIGHBOURS = 12
+"""Of a neighbourhood: fewer are drawn by noise, more reach through thin walls."""
+
+LEVEL = 0.3
+"""Sine of the angle, roughly, by which the way to a neighbour may leave the tangent plane."""
+
+FRONTAL = 0.7
+"""Least |cosine| between a point's normal and the way to a witness of its."""
+
+WITNESS, DOUBT, BOND = 0.3, 1e-4, 1e-6
+"""Weights: of witnesses and of doubt against those of neighbours, of which none is below BOND."""
+
+FLAT = 0.03
+"""Ratio of a neighbourhood's two smaller variances at which its normal counts half: edges and noise."""
+
+ACCURACY, MOST_ROUNDS = 1e-4, 500
+"""Of the conjugate gradients."""
+
+
+def oriented_normals(
+    points: Points,
+    tree: KDTree,
+    witnesses: Float64[np.ndarray, "m 3"],
+    signs: Float64[np.ndarray, " m"],
+    nearest: Int64[np.ndarray, " m"],
+) -> Points:
+    """Outward normals as long as they are to be trusted, from 0 to 1; any frame.
+
+    tree: of the points. witnesses: with their signs, +1 outside and −1 inside, and nearest points.
+    """
+    near = np.asarray(tree.query(points, k=NEIGHBOURS + 1, workers=-1)[1])[:, 1:]
+    normals, flatness = plane_normals(points[near])
+    told = evidence(points, normals, witnesses, signs, nearest)
+    sure = spread_signs(points, normals, near, told)
+    trust = np.minimum(np.abs(sure), 1.0) / (1.0 + (flatness / FLAT) ** 2)
+    return normals * (np.sign(sure) * trust)[:, None]
+
+
+def evidence(
+    points: Points,
+    normals: Points,
+    witnesses: Float64[np.ndarray, "m 3"],
+    signs: Float64[np.ndarray, " m"],
+    nearest: Int64[np.ndarray, " m"],
+) -> Float64[np.ndarray, " n"]:
+    """m: positive where a normal points outward, 0 where no witness stands before the point or behind it."""
+    way = witnesses - points[nearest]
+    cosine = np.einsum("md,md->m", way, normals[nearest]) / np.linalg.norm(way, axis=1)
+    frontal = np.abs(cosine) > FRONTAL
+    heard, said = nearest[frontal], (signs * cosine)[frontal]
+    count = np.bincount(heard, minlength=len(points))
+    return np.bincount(heard, said, minlength=len(points)) / np.maximum(count, 1)
+
+
+def spread_signs(
+    points: Points, normals: Points, near: Int64[np.ndarray, "n k"], told: Float64[np.ndarray, " n"]
+) -> Float64[np.ndarray, " n"]:
+    """x, the minimiser of E."""
+    count, k = near.shape
+    way = points[near] - points[:, None]
+    way /= np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), np.finfo(float).tiny)
+    leaving = np.maximum(
+        np.abs(np.einsum("nkd,nd->nk", way, normals)), np.abs(np.einsum("nkd,nkd->nk", way, normals[near]))
+    )
+    cosine = np.einsum("nd,nkd->nk", normals, normals[near])
+    weight = cosine**2 * np.exp(-((leaving / LEVEL) ** 2)) + BOND
+    rows = np.arange(0, count * k + 1, k)
+    graph = csr_matrix(((weight * np.sign(cosine)).ravel(), near.ravel(), rows), shape=(count, count))
+    graph = 0.5 * (graph + graph.T)
+    diagonal = np.asarray(abs(graph).sum(axis=1)).ravel() + WITNESS * np.abs(told) + DOUBT
+    found, _ = cg(
+        diags(diagonal) - graph,
+        WITNESS * told,
+        rtol=ACCURACY,
+        maxiter=MOST_ROUNDS,
+        M=diags(1.0 / diagonal),
+    )
+    return found
