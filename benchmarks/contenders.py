@@ -5,6 +5,7 @@ All fit the bundled flange, 30,000 points. Torch is imported only when a contend
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
 STANDARD_TURN = 10
 """Steps of the standard preset that are timed at once: one alone is short."""
+
+SWEEP = 24
+"""Steps of a whole standard fit that stand for all of it, evenly spread."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,30 @@ def standard(progress: float) -> Callable[[int], Stepper]:
 
         settings = resolve("standard")
         return engine(settings, at=round(progress * (settings.steps - 1)), turn=STANDARD_TURN)
+
+    return stepper
+
+
+def sweep(method: str) -> Callable[[int], Stepper]:
+    """A standard fit by one of the package's methods: SWEEP of its steps, in each of which a turn begins."""
+
+    def stepper(_: int) -> Stepper:
+        """With the preset's own number of points."""
+        import torch
+
+        from weingarten.reconstruction import prepared
+        from weingarten.samples.parts import sample_part
+        from weingarten.settings import resolve
+
+        settings = resolve("standard", method=method)
+        loop = prepared(sample_part("flange", 30_000, 0), settings, torch.device("cpu"))
+        at = itertools.cycle(round((i + 0.5) / SWEEP * settings.steps) for i in range(SWEEP))
+
+        def step() -> None:
+            loop.step = next(at)
+            loop.advance()
+
+        return Stepper(step, loop.crew, SWEEP)
 
     return stepper
 
@@ -116,7 +144,12 @@ CONTENDERS = {
 HEAVY = ("baseline", "hessian")
 """Those that need many gigabytes."""
 
+FIT_OF = "fit:"
+"""Before a method's name: the steps of a whole fit of the standard preset."""
+
 
 def contender(name: str) -> Contender:
-    """One of CONTENDERS, or the paper preset's step by any other method of the package."""
+    """One of CONTENDERS, or a method's step of the paper preset, or after FIT_OF its whole standard fit."""
+    if name.startswith(FIT_OF):
+        return Contender(name, sweep(name.removeprefix(FIT_OF)))
     return CONTENDERS[name] if name in CONTENDERS else Contender(name, paper(name))
