@@ -26,6 +26,7 @@ from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, summarise
 from weingarten.surface.contour import extraction
 from weingarten.surface.marching_cubes import marching_cubes
+from weingarten.surface.outer_faces import within_outer_faces
 from weingarten.surface.repair import drop_ghosts
 from weingarten.surface.sharp_contour import SharpContour
 from weingarten.surface.values import BATCH, field_planes, field_values
@@ -214,10 +215,11 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     mesher = SharpContour(field_planes(module, crew)) if settings.sharp else marching_cubes
     found = extraction(values, lower, upper, settings.resolution, BATCH, crew, mesher)
     mesh = drop_ghosts(found.mesh, unit)
-    if len(mesh.faces) == len(found.mesh.faces):
-        return mesh, found.notes
-    dropped = len(found.mesh.faces) - len(mesh.faces)
-    return mesh, (*found.notes, f"{dropped:,} faces that no points support were removed as ghosts.")
+    notes = found.notes
+    if len(mesh.faces) < len(found.mesh.faces):
+        dropped = len(found.mesh.faces) - len(mesh.faces)
+        notes = (*notes, f"{dropped:,} faces that no points support were removed as ghosts.")
+    return within_outer_faces(mesh, unit) if settings.sharp else mesh, notes
 
 
 def remesh(

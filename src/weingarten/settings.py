@@ -23,7 +23,8 @@ class Settings:
     first step and at the last, in stages between. rate: learning rate at its greatest.
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the field, as far as the method's has them.
-    resolution: cells along the longest side. sharp: whether vertices are put on sharp edges.
+    resolution: cells along the longest side. sharp: whether vertices are put on sharp edges, and within the
+    flat faces that bound the cloud.
     """
 
     preset: str
@@ -75,13 +76,13 @@ class Settings:
 
 STANDARD = Settings(
     preset="standard",
-    method="odw",
-    term=METHODS["odw"].scheduled_term.name,
+    method="odw-oriented",
+    term=METHODS["odw-oriented"].scheduled_term.name,
     shape="quintic",
-    knots=METHODS["odw"].schedule.knots,
+    knots=METHODS["odw-oriented"].schedule.knots,
     stencil=(),
     seed=0,
-    steps=650,
+    steps=950,
     points=1000,
     ramp=(0.4, 1.6),
     optimiser="muon",
@@ -92,7 +93,7 @@ STANDARD = Settings(
     depth=5,
     frequency=30.0,
     resolution=256,
-    sharp=False,
+    sharp=True,
 )
 FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, width=256, resolution=512)
 PAPER = replace(
@@ -107,6 +108,7 @@ PAPER = replace(
     rate=5e-5,
     decay="steady",
     width=256,
+    sharp=False,
 )
 
 PRESETS = {settings.preset: settings for settings in (STANDARD, FINE, PAPER)}

@@ -71,6 +71,8 @@ class Start:
         field = settings.field(generator) if module is None else module
         tree = KDTree(unit, leafsize=LEAF, compact_nodes=False)
         draws, notes = settings.resolved_method().knowledge(unit, tree, generator)
+        if module is None and isinstance(field, Siren):
+            field.refine(draws.detail)
         if device.type == "cuda":
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)

@@ -27,7 +27,7 @@ def test_a_method_without_a_curvature_term_comes_once():
 
 
 def test_a_method_may_have_steps_of_its_own():
-    made = lineup(["odw", "odw@400"], ["own"], resolve())
+    made = lineup(["odw", "odw@400"], ["own"], resolve(steps=650))
     assert [(one.name, one.settings.steps) for one in made] == [("odw", 650), ("odw@400", 400)]
 
 

@@ -68,12 +68,12 @@ def test_run_folder_holds_what_it_should(finished):
     }
     settings = tomllib.loads((folder / "config.toml").read_text())
     assert settings["steps"] == 60
-    assert settings["method"] == "odw"
+    assert settings["method"] == "odw-oriented"
     with (folder / "loss.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [int(row["step"]) for row in rows] == list(range(60))
     first = rows[0]
-    names = ["dirichlet", "off_surface", "free_space", "eikonal", "off_diagonal_weingarten"]
+    names = ["dirichlet", "off_surface", "free_space", "eikonal", "normals", "off_diagonal_weingarten"]
     total = sum(float(first[name]) * float(first[f"weight_{name}"]) for name in names)
     assert float(first["loss"]) == pytest.approx(total, rel=1e-6)
     summary = json.loads((folder / "summary.json").read_text())
@@ -101,15 +101,15 @@ def test_mesh_extracts_again_at_any_resolution(finished, tmp_path):
     assert len(read_mesh(tmp_path / "fine.ply").faces) > 2 * len(read_mesh(tmp_path / "same.stl").faces)
 
 
-def test_mesh_extracts_again_with_sharp_edges(finished, tmp_path):
+def test_mesh_extracts_again_without_sharp_edges(finished, tmp_path):
     folder = finished[0]
     code, _, _ = run(
-        "mesh", folder / "run", "-o", tmp_path / "sharp.ply", "--resolution", 48, "--sharp", "on"
+        "mesh", folder / "run", "-o", tmp_path / "plain.ply", "--resolution", 48, "--sharp", "off"
     )
     assert code == 0
-    plain, sharp = read_mesh(folder / "part.stl"), read_mesh(tmp_path / "sharp.ply")
+    sharp, plain = read_mesh(folder / "part.stl"), read_mesh(tmp_path / "plain.ply")
     assert len(sharp.vertices) != len(plain.vertices)
-    assert topology(sharp).watertight
+    assert topology(plain).watertight
 
 
 @pytest.mark.parametrize("method", ["digs", "hash-grid"])

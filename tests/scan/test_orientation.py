@@ -10,7 +10,7 @@ from weingarten.frame import Frame
 from weingarten.samples.parts import PARTS, sample_part
 from weingarten.scan.draws import REACH, SignedDraws, positions
 from weingarten.scan.free_space import FreeSpace
-from weingarten.scan.orientation import evidence, oriented_normals
+from weingarten.scan.orientation import evidence, orientation
 
 
 def sphere(count, seed=0):
@@ -37,7 +37,7 @@ def witnesses(points, reference, shift, count=4000, seed=1):
 
 
 def found(points, *told):
-    return oriented_normals(points, KDTree(points), *told)
+    return orientation(points, KDTree(points), *told).normals
 
 
 def by_free_space(points):
@@ -48,7 +48,7 @@ def by_free_space(points):
     draws = SignedDraws(unit, tree, space, torch.Generator().manual_seed(0))
     known = draws.nearest >= 0
     signs = np.sign(draws.distance.numpy()[known]).astype(np.float64)
-    return unit, oriented_normals(unit, tree, positions(draws.pool)[known], signs, draws.nearest[known])
+    return unit, orientation(unit, tree, positions(draws.pool)[known], signs, draws.nearest[known]).normals
 
 
 @pytest.mark.parametrize("shift", [0.1, -0.1])

@@ -45,16 +45,20 @@ def add_fitting(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--quiet", action="store_true", help="no progress")
 
 
-def budget(arguments: argparse.Namespace) -> "Settings":
-    """The preset with what is to differ from it. Raises OptionError."""
+def budget(arguments: argparse.Namespace, method: str | None = None, sharp: bool | None = None) -> "Settings":
+    """The preset with what is to differ from it. Raises OptionError.
+
+    method: instead of the preset's. sharp: where the arguments say nothing of it.
+    """
     from weingarten.settings import resolve
 
     return resolve(
         preset=arguments.preset,
+        method=method,
         steps=arguments.steps,
         points=arguments.points_per_step,
         resolution=arguments.resolution,
-        sharp=SWITCH.get(arguments.sharp),
+        sharp=SWITCH.get(arguments.sharp, sharp),
     )
 
 

@@ -44,6 +44,11 @@ class Siren(nn.Module):
         """The square matrices between sine layers."""
         return list(self.weights)[1:-1]
 
+    def refine(self, factor: float) -> None:
+        """Shorten the waves that it begins with by a factor: ω₀ of the first layer alone."""
+        with torch.no_grad():
+            self.weights[0].mul_(factor)
+
     def forward(self, points: Float[Tensor, "n 3"]) -> Float[Tensor, " n"]:
         """Field values at points of the unit frame."""
         a = points

@@ -43,7 +43,10 @@ class CloudDraws:
 
     surface: from the cloud, with replacement between steps, spread over it within a step (`spread`).
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
+    detail: by what factor a field's waves should begin shorter, as far as is known of the part.
     """
+
+    detail: float = 1.0
 
     def __init__(self, points: Float64[np.ndarray, "n 3"], tree: KDTree) -> None:
         self.points = torch.from_numpy(points.astype(np.float32))

@@ -16,6 +16,8 @@ Ghahramani & Lafferty 2003) with signs on the edges; Hoppe et al. 1992 spread th
 where one wrong edge turns all that follows.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Float64, Int64
 from scipy.sparse import csr_matrix, diags
@@ -44,24 +46,43 @@ FLAT = 0.03
 ACCURACY, MOST_ROUNDS = 1e-4, 500
 """Of the conjugate gradients."""
 
+TRUSTED = 0.3
+"""Least trust in a normal that anything is concluded from."""
 
-def oriented_normals(
+
+@dataclass(frozen=True)
+class Orientation:
+    """normals: outward, as long as they are to be trusted, from 0 to 1.
+    radius: of the points' neighbourhoods, the median, in the unit of the points.
+    """
+
+    normals: Points
+    radius: float
+
+    @property
+    def trust(self) -> Float64[np.ndarray, " n"]:
+        """How long the normals are."""
+        return np.linalg.norm(self.normals, axis=1)
+
+
+def orientation(
     points: Points,
     tree: KDTree,
     witnesses: Float64[np.ndarray, "m 3"],
     signs: Float64[np.ndarray, " m"],
     nearest: Int64[np.ndarray, " m"],
-) -> Points:
-    """Outward normals as long as they are to be trusted, from 0 to 1; any frame.
+) -> Orientation:
+    """Normals of points in any frame.
 
     tree: of the points. witnesses: with their signs, +1 outside and −1 inside, and nearest points.
     """
-    near = np.asarray(tree.query(points, k=NEIGHBOURS + 1, workers=-1)[1])[:, 1:]
+    reach, near = tree.query(points, k=NEIGHBOURS + 1, workers=-1)
+    near = np.asarray(near)[:, 1:]
     normals, flatness = plane_normals(points[near])
     told = evidence(points, normals, witnesses, signs, nearest)
     sure = spread_signs(points, normals, near, told)
     trust = np.minimum(np.abs(sure), 1.0) / (1.0 + (flatness / FLAT) ** 2)
-    return normals * (np.sign(sure) * trust)[:, None]
+    return Orientation(normals * (np.sign(sure) * trust)[:, None], float(np.median(np.asarray(reach)[:, -1])))
 
 
 def evidence(

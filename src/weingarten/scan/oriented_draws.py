@@ -6,16 +6,17 @@ from jaxtyping import Float, Float64
 from scipy.spatial import KDTree
 from torch import Tensor
 
+from weingarten.scan.detail import detail
 from weingarten.scan.draws import POOL, REACH, SignedDraws, positions
 from weingarten.scan.free_space import FreeSpace
-from weingarten.scan.orientation import oriented_normals
+from weingarten.scan.orientation import TRUSTED, Orientation, orientation
 from weingarten.scan.sample import Sample
 
 WITHIN, WIDTH = 0.3, 0.5
 """Share of the pool that lies in the shell where normals tell signs; how far about the cloud, in τ."""
 
-TRUSTED, HEAD_ON = 0.3, 0.8
-"""Least trust in the normal that tells; least |cosine| between it and the way to the point that is told."""
+HEAD_ON = 0.8
+"""Least |cosine| between a normal that tells and the way to the point that is told."""
 
 
 class OrientedDraws(SignedDraws):
@@ -35,23 +36,23 @@ class OrientedDraws(SignedDraws):
         super().__init__(points, tree, space, generator)
         told = self.nearest >= 0
         witnesses, signs = positions(self.pool)[told], np.sign(self.distance.numpy()[told])
-        normals = oriented_normals(points, tree, witnesses, signs.astype(np.float64), self.nearest[told])
-        self.normals = torch.from_numpy(normals.astype(np.float32))
-        within, distance = self.within(tree, normals, WIDTH * space.shell, generator)
+        found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told])
+        self.normals, self.detail = torch.from_numpy(found.normals.astype(np.float32)), detail(found)
+        within, distance = self.within(tree, found, WIDTH * space.shell, generator)
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
         self.pool = torch.cat([self.pool[kept], within])
         self.distance = torch.cat([self.distance[kept], distance])
 
     def within(
-        self, tree: KDTree, normals: Float64[np.ndarray, "n 3"], width: float, generator: torch.Generator
+        self, tree: KDTree, found: Orientation, width: float, generator: torch.Generator
     ) -> tuple[Float[Tensor, "m 3"], Float[Tensor, " m"]]:
         """Points in front of trusted points of the cloud or behind them, and their signed distances."""
         about = torch.randint(len(self.points), (int(2 * WITHIN * POOL),), generator=generator)
         drawn = self.points[about] + width * torch.randn(len(about), 3, generator=generator)
         at = positions(drawn)
         gap, nearest = tree.query(at, workers=-1)
-        trust = np.linalg.norm(normals, axis=1)[nearest]
-        along = np.einsum("nd,nd->n", at - tree.data[nearest], normals[nearest])
+        trust = found.trust[nearest]
+        along = np.einsum("nd,nd->n", at - tree.data[nearest], found.normals[nearest])
         frontal = (trust > TRUSTED) & (np.abs(along) > HEAD_ON * trust * gap)
         frontal &= np.abs(at).max(axis=1) < REACH
         chosen = np.flatnonzero(frontal)[: int(WITHIN * POOL)]
