@@ -33,7 +33,8 @@ def rows(out: Path) -> list[dict[str, str]]:
 
 def test_methods_schedules_and_seeds(tmp_path: Path, data: Path):
     out = tmp_path / "out"
-    options = ["--schedules", "own,none", "--seeds", "2", "--parts", "block", "--out", out, *SHORT]
+    chosen = ["--methods", "odw", "--schedules", "own,none", "--seeds", "2", "--parts", "block"]
+    options = [*chosen, "--out", out, *SHORT]
     code, text, errors = run("bench", data, *options)
     assert code == 0, errors
     assert "exact CD" in text
@@ -52,7 +53,7 @@ def test_methods_schedules_and_seeds(tmp_path: Path, data: Path):
     code, text, errors = run("bench", data, *options)
     assert code == 0
     assert "4 of them done before" in errors
-    code, _, errors = run("bench", data, "--parts", "block", "--out", out, "--steps", "31", *SHORT[2:])
+    code, _, errors = run("bench", data, *chosen, "--out", out, "--steps", "31", *SHORT[2:])
     assert code == 2
     assert "another settings" in errors
     assert "Traceback" not in errors
