@@ -77,8 +77,18 @@ def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, m
     resumed = wg.reconstruct(points, settings, run_folder=tmp_path / "run", resume=True)
     np.testing.assert_array_equal(resumed.mesh.vertices, whole.mesh.vertices)
     np.testing.assert_array_equal(resumed.mesh.faces, whole.mesh.faces)
-    again, _ = remesh(*opened(tmp_path / "run"), 32, None, torch.device("cpu"))
+    again, _ = remesh(*opened(tmp_path / "run"), torch.device("cpu"), 32)
     np.testing.assert_array_equal(again.vertices, whole.mesh.vertices)
+
+
+def test_surface_that_was_not_scanned_is_called_a_guess():
+    points = ball(3000, 2.0, 5.0)
+    cut, observer = points[points[:, 2] < 6.0], Impatient(1000)
+    summary = wg.reconstruct(cut, wg.resolve(steps=40, points=200, resolution=32), observer=observer).summary
+    assert summary.guessed > 0.02
+    assert any("a guess" in doubt for doubt in summary.doubts)
+    assert set(summary.doubts) <= set(observer.notes)
+    assert summary.as_dict()["doubts"] == list(summary.doubts)
 
 
 class Ball(nn.Module):

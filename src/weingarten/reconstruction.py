@@ -29,6 +29,7 @@ from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.outer_faces import within_outer_faces
 from weingarten.surface.repair import drop_ghosts
 from weingarten.surface.sharp_contour import SharpContour
+from weingarten.surface.trim import trimmed
 from weingarten.surface.values import BATCH, field_planes, field_values
 from weingarten.world_field import WorldField
 
@@ -147,11 +148,13 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
         clock.observer.note(note)
     clock.phase("measuring")
     world = Mesh(start.frame.to_world(mesh.vertices), mesh.faces)
-    notes = (*start.notes, *notes)
-    of_steps = start.settings.steps
+    noise = start.noise * start.frame.scale
+    seconds, notes, planned = clock.seconds, (*start.notes, *notes), start.settings.steps
     summary = summarise(
-        start.cloud, world, ending.steps, of_steps, ending.finished, ending.loss, clock.seconds, notes
+        start.cloud, world, noise, ending.steps, planned, ending.finished, ending.loss, seconds, notes
     )
+    for doubt in summary.doubts:
+        clock.observer.note(doubt)
     clock.phase("")
     return Result(world, WorldField(field, start.frame), summary, start.settings, ending.finished)
 
@@ -209,7 +212,10 @@ def check_finite(record: Record) -> None:
 
 
 def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tuple[Mesh, tuple[str, ...]]:
-    """The field's surface without ghosts, unit frame, and notes on what was done to it."""
+    """The field's surface without ghosts, unit frame, and notes on what was done to it.
+
+    Raises ExtractionError when there is none, or none near the points and only that is wanted.
+    """
     values, settings = field_values(module, crew), origin.settings
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     mesher = SharpContour(field_planes(module, crew)) if settings.sharp else marching_cubes
@@ -219,21 +225,31 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     if len(mesh.faces) < len(found.mesh.faces):
         dropped = len(found.mesh.faces) - len(mesh.faces)
         notes = (*notes, f"{dropped:,} faces that no points support were removed as ghosts.")
-    return within_outer_faces(mesh, unit) if settings.sharp else mesh, notes
+    if settings.sharp:
+        mesh = within_outer_faces(mesh, unit)
+    if settings.trim > 0.0:
+        mesh = trimmed(mesh, unit, settings.trim / origin.frame.scale)
+    return mesh, notes
 
 
 def remesh(
-    found: Checkpoint, points: Points, resolution: int | None, sharp: bool | None, device: torch.device
+    found: Checkpoint,
+    points: Points,
+    device: torch.device,
+    resolution: int | None = None,
+    sharp: bool | None = None,
+    trim: float | None = None,
 ) -> tuple[Mesh, tuple[str, ...]]:
     """The surface of a checkpoint's field, world frame, and notes.
 
-    points: of its run, world units. resolution, sharp: those of its settings unless given.
+    points: of its run, world units. resolution, sharp, trim: those of its settings unless given.
     """
     field, frame, settings = WorldField.of(found, device), found.origin.frame, found.origin.settings
     settings = replace(
         settings,
         resolution=settings.resolution if resolution is None else resolution,
         sharp=settings.sharp if sharp is None else sharp,
+        trim=settings.trim if trim is None else trim,
     )
     unit = frame.to_unit(thinned(points, settings.seed))
     mesh, notes = surface(field.module, replace(found.origin, settings=settings), unit, crew_for(device))

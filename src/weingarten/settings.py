@@ -1,5 +1,6 @@
 """What determines a mesh beside the points: presets, and settings resolved from them."""
 
+import math
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
@@ -24,7 +25,8 @@ class Settings:
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the field, as far as the method's has them.
     resolution: cells along the longest side. sharp: whether vertices are put on sharp edges, and within the
-    flat faces that bound the cloud.
+    flat faces that bound the cloud. trim: distance from the points beyond which surface is left out, in the
+    cloud's unit; 0 leaves out none.
     """
 
     preset: str
@@ -46,6 +48,7 @@ class Settings:
     frequency: float
     resolution: int
     sharp: bool
+    trim: float
 
     def resolved_method(self) -> Method:
         """The method's row with this fit's schedule and stencil."""
@@ -94,6 +97,7 @@ STANDARD = Settings(
     frequency=30.0,
     resolution=256,
     sharp=True,
+    trim=0.0,
 )
 FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, width=256, resolution=512)
 PAPER = replace(
@@ -127,6 +131,7 @@ def resolve(
     points: int | None = None,
     resolution: int | None = None,
     sharp: bool | None = None,
+    trim: float | None = None,
     rate: float | None = None,
 ) -> Settings:
     """Settings from a preset's name and what is to differ from it.
@@ -136,6 +141,7 @@ def resolve(
     term: the name of the term whose weight these are; by default the method's curvature term.
     stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.
     sharp: vertices on sharp edges, or marching cubes, which cuts them off.
+    trim: leave out surface farther than this from all points, in the cloud's unit; the mesh is open then.
     rate: the learning rate at its greatest; by default the method's with the preset's optimiser, or the
     preset's.
     Raises OptionError for an unknown name or a value out of range.
@@ -157,6 +163,7 @@ def resolve(
         points=base.points if points is None else points,
         resolution=base.resolution if resolution is None else resolution,
         sharp=base.sharp if sharp is None else sharp,
+        trim=base.trim if trim is None else check_trim(trim),
     )
     check_range("--seed", settings.seed, 0, 2**63 - 1)
     check_range("--steps", settings.steps, 1, 10_000_000)
@@ -175,6 +182,13 @@ def scheduled(row: Method, schedule: str | None, knots: Knots | None) -> dict[st
     if knots is not None:
         weight = weight_of(weight.shape, knots)
     return {"term": row.scheduled_term.name, "shape": weight.shape, "knots": weight.knots}
+
+
+def check_trim(distance: float) -> float:
+    """The distance. Raises OptionError unless it is positive and finite."""
+    if not 0.0 < distance < math.inf:
+        raise OptionError(f"--trim-distance must be a positive number; got {distance:g}.")
+    return distance
 
 
 def check_range(name: str, value: int, least: int, most: int) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.coverage import coverage
 from weingarten.metrics.distance import closest
 from weingarten.metrics.topology import topology
 
@@ -19,6 +20,8 @@ class Summary:
     """Quality and cost of a fit; lengths in the input's unit, times in seconds.
 
     points: of the cloud, after cleaning. distance_*: of cloud points to the mesh's triangles.
+    guessed, missed: shares of the area far from all points, and of the points far from the mesh; doubts: what
+    they say against the mesh, a sentence each (`weingarten.metrics.coverage`).
     genus: None where the mesh is not closed. steps, of_steps: taken and planned.
     finished: False after an interruption. loss: of the last step, None when none was taken.
     """
@@ -30,6 +33,8 @@ class Summary:
     distance_p95: float
     distance_max: float
     diagonal: float
+    guessed: float
+    missed: float
     watertight: bool
     components: int
     genus: int | None
@@ -40,15 +45,17 @@ class Summary:
     loss: float | None
     seconds: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        return asdict(self) | {"notes": list(self.notes)}
+        return asdict(self) | {"notes": list(self.notes), "doubts": list(self.doubts)}
 
 
 def summarise(
     points: Float64[np.ndarray, "n 3"],
     mesh: Mesh,
+    noise: float,
     steps: int,
     of_steps: int,
     finished: bool,
@@ -56,9 +63,13 @@ def summarise(
     seconds: dict[str, float],
     notes: tuple[str, ...],
 ) -> Summary:
-    """The figures of a mesh in the frame of its cloud."""
+    """The figures of a mesh in the frame of its cloud.
+
+    noise: mean distance of the points from their surface, in the same unit.
+    """
     probe = points[:: max(1, -(-len(points) // MOST_POINTS))]
     distance = closest(mesh, probe).distance
+    covered = coverage(mesh, probe, distance, noise)
     shape = topology(mesh)
     return Summary(
         points=len(points),
@@ -68,6 +79,8 @@ def summarise(
         distance_p95=float(np.percentile(distance, 95)),
         distance_max=float(distance.max()),
         diagonal=float(np.linalg.norm(np.ptp(points, axis=0))),
+        guessed=covered.guessed,
+        missed=covered.missed,
         watertight=shape.watertight,
         components=shape.components,
         genus=shape.genus,
@@ -78,4 +91,5 @@ def summarise(
         loss=loss,
         seconds=seconds,
         notes=notes,
+        doubts=covered.doubts,
     )

@@ -145,7 +145,7 @@ def test_a_run_folder_is_judged_by_its_mesh_and_its_field(run, capsys):
 
 def test_the_field_of_a_run_folder_is_that_of_its_mesh(run):
     found, points = opened(run)
-    mesh, _ = remesh(found, points, 48, None, torch.device("cpu"))
+    mesh, _ = remesh(found, points, torch.device("cpu"), 48)
     field = WorldField.of(found, torch.device("cpu"))
     size = np.ptp(points, axis=0).max()
     assert np.abs(field(mesh.vertices).distance).mean() < 0.002 * size

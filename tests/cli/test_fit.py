@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 sys.path.insert(0, str(Path(__file__).parent))
 from command import SMALL, run, started, temporaries
@@ -110,6 +111,27 @@ def test_mesh_extracts_again_without_sharp_edges(finished, tmp_path):
     sharp, plain = read_mesh(folder / "part.stl"), read_mesh(tmp_path / "plain.ply")
     assert len(sharp.vertices) != len(plain.vertices)
     assert topology(plain).watertight
+
+
+def test_surface_far_from_the_points_is_left_out_on_demand(finished, cloud, tmp_path):
+    folder, points = finished[0] / "run", read_points(cloud)
+    size = np.ptp(points, axis=0).max()
+    words = ["-o", tmp_path / "open.ply", "--resolution", 48, "--trim-distance"]
+    code, _, _ = run("mesh", folder, *words, 0.03 * size)
+    assert code == 0
+    whole, part = read_mesh(finished[0] / "part.stl"), read_mesh(tmp_path / "open.ply")
+    assert 0 < len(part.faces) < len(whole.faces)
+    assert KDTree(points).query(part.vertices)[0].max() < 0.03 * size
+    for distance, sentence in ((1e-9 * size, "Nothing is left"), (-1, "positive"), ("nan", "positive")):
+        code, _, err = run("mesh", folder, *words, distance)
+        assert code == 2
+        assert sentence in err
+        assert "Traceback" not in err
+    words[1] = tmp_path / "fitted.stl"
+    assert run("fit", cloud, *words, 0.03 * size, "--steps", 60, "--points-per-step", 200, "--quiet")[0] == 0
+    again = read_mesh(tmp_path / "fitted.stl")
+    assert len(again.faces) == len(part.faces)
+    np.testing.assert_allclose(again.bounds, part.bounds, atol=1e-5 * size)
 
 
 @pytest.mark.parametrize("method", ["digs", "hash-grid"])

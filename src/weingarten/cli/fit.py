@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from weingarten.cli.importing import importing
+from weingarten.cli.mesh import TRIM_HELP
 from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError
 
@@ -40,6 +41,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("--rate", type=float, metavar="R", help="greatest learning rate (default: method's)")
     verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
     verb.add_argument("--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: preset's)")
+    verb.add_argument("--trim-distance", type=float, metavar="D", help=TRIM_HELP)
     verb.add_argument(
         "--resolution",
         type=int,
@@ -104,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
         points=arguments.points_per_step,
         resolution=arguments.resolution,
         sharp=SWITCH.get(arguments.sharp),
+        trim=arguments.trim_distance,
         rate=arguments.rate,
     )
     chosen_device(arguments.device)
@@ -179,6 +182,7 @@ def repeated(arguments: argparse.Namespace) -> str:
         "points_per_step",
         "resolution",
         "sharp",
+        "trim_distance",
         "seed",
         "oracle",
     )

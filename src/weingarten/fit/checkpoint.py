@@ -20,7 +20,9 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.settings import Settings
 
-FORMAT = "weingarten-5"
+FORMAT = "weingarten-6"
+EXTRACTION = ("resolution", "sharp", "trim")
+"""Settings that a fit may be resumed with otherwise: they are of its surface, not of its field."""
 
 KEPT = "kept."
 """Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
@@ -125,7 +127,7 @@ def load(path: Path) -> Checkpoint:
 def check_same(found: Origin, wanted: Origin) -> None:
     """Raise CheckpointError unless a checkpoint continues the fit that is asked for."""
     ours, theirs = wanted.settings.as_dict(), found.settings.as_dict()
-    different = [name for name in ours if ours[name] != theirs[name] and name not in ("resolution", "sharp")]
+    different = [name for name in ours if ours[name] != theirs[name] and name not in EXTRACTION]
     if different:
         listed = ", ".join(f"{name} {theirs[name]} there, {ours[name]} here" for name in different)
         raise CheckpointError(

@@ -28,6 +28,7 @@ LABELS = {
     "knots": "weight, t : w",
     "stencil": "stencil, t : h",
     "sharp": "sharp edges",
+    "trim": "greatest distance from the points",
     "rate": "learning rate",
     "decay": "decay of the rate",
     "ramp": "points, first and last step",
