@@ -50,6 +50,19 @@ def test_sample_of_a_bundled_part_with_noise_and_outliers(tmp_path: Path):
     assert np.median(moved) == pytest.approx(0.05 * 1.54, rel=0.15)
 
 
+def test_sample_with_what_a_scanner_misses(tmp_path: Path, box: Path):
+    """From two places opposite each other some faces of a box are seen; the ball leaves a hole in them."""
+    options = ("--points", "3000", "--views", "2", "--missing", "0.2", "--uneven", "5", "--noise", "0.001")
+    assert command("sample", box, "-o", tmp_path / "scan.npy", *options) == 0
+    points = np.load(tmp_path / "scan.npy")
+    assert points.shape == (3000, 3)
+    np.testing.assert_allclose((np.abs(points) / [2, 1, 0.5]).max(axis=1), 1, atol=0.02)
+    grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 21)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    top = np.column_stack([grid * [1.95, 0.95], np.full(len(grid), 0.5)])
+    gaps = [np.linalg.norm(points - side * top[:, None], axis=-1).min(axis=1).max() for side in (1, -1)]
+    assert max(gaps) > 0.5
+
+
 @pytest.mark.parametrize(
     "options",
     [
@@ -59,6 +72,9 @@ def test_sample_of_a_bundled_part_with_noise_and_outliers(tmp_path: Path):
         ("--noise", "nan"),
         ("--outliers", "1"),
         ("--outliers", "-0.1"),
+        ("--uneven", "0.5"),
+        ("--missing", "1"),
+        ("--views", "0"),
     ],
 )
 def test_impossible_options_name_themselves(tmp_path: Path, box: Path, options: tuple[str, str]):

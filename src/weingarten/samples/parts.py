@@ -26,7 +26,7 @@ from weingarten.calculus.exact import (
 from weingarten.errors import OptionError
 from weingarten.mesh import Mesh
 from weingarten.samples.patches import Points, patches, primitives
-from weingarten.scan.sampling import generator
+from weingarten.scan.sampling import Seed, generator
 from weingarten.surface.contour import extract
 
 UP = (0.0, 0.0, 1.0)
@@ -109,7 +109,7 @@ def part(name: str) -> Part:
     return PARTS[name]
 
 
-def sample_part(name: str, count: int, seed: int) -> Points:
+def sample_part(name: str, count: int, seed: Seed) -> Points:
     """`count` points on the exact surface of a bundled part, uniform by area, world frame, millimetres.
 
     Points uniform on the surfaces of all primitives are kept where the whole solid's field is zero as well;
