@@ -12,6 +12,7 @@ from weingarten.errors import OptionError
 from weingarten.fields.choice import FieldMaker
 from weingarten.fields.siren import Siren
 from weingarten.scan.knowledge import Knowledge, positions_alone
+from weingarten.scan.preparation import AS_GIVEN, Preparation
 from weingarten.schedules.adaptive import ADAPTIVE
 from weingarten.schedules.schedule import SCHEDULES, Knots, Schedule, constant
 from weingarten.schedules.weight import Adapted, Weight
@@ -25,8 +26,9 @@ Differentiation = Callable[[nn.Module], Calculus]
 class Method:
     """A loss Σ weight(t) · mean residual, the field that it is of, and the calculus that feeds its terms.
 
-    knowledge: what is known of the points that are drawn. field: from width, depth, ω₀ of the preset, and the
-    generator. rates: its learning rate by the optimiser's name, where the preset's is not for its field.
+    knowledge: what is known of the points that are drawn. preparation: what is done about a scan's
+    outliers and noise before. field: from width, depth, ω₀ of the preset, and the generator. rates: its
+    learning rate by the optimiser's name, where the preset's is not for its field.
     scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise; None where there
     is no curvature term.
     """
@@ -37,6 +39,7 @@ class Method:
     source: str
     scheduled: Term | None = OFF_DIAGONAL_WEINGARTEN
     knowledge: Knowledge = positions_alone
+    preparation: Preparation = AS_GIVEN
     field: FieldMaker = Siren
     rates: Mapping[str, float] = dataclasses.field(default_factory=dict)
 

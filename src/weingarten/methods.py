@@ -9,6 +9,7 @@ from weingarten.fields.choice import FieldMaker, hash_grid, quadratic_siren, sof
 from weingarten.fields.siren import Siren
 from weingarten.method import Differentiation, Method
 from weingarten.scan.knowledge import signs_and_normals, signs_of_free_space, unsigned_distances
+from weingarten.scan.preparation import AS_SCANNED
 from weingarten.scan.sample import OFF_SURFACE, SURFACE
 from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.schedules.weight import Weight
@@ -77,7 +78,7 @@ def recipe(name: str, term: Term, weight: float, calculus: Differentiation, sour
     """Our recipe with some curvature term: signs from free space, the term on few points and early."""
     few = replace(term, shares=(0.125,))
     terms = {**FIRST_ORDER, few: EARLY.peaking(weight)}
-    return Method(name, terms, calculus, source, few, signs_of_free_space)
+    return Method(name, terms, calculus, source, few, signs_of_free_space, AS_SCANNED)
 
 
 def published(
@@ -146,6 +147,7 @@ METHODS = {
             "arXiv 2003.08593 (Curriculum DeepSDF)",
             FEW_ODW,
             signs_of_free_space,
+            AS_SCANNED,
         ),
         replace(
             recipe("hash-grid", ODW, 3.0, GRID_STENCIL, "Instant-NGP's field, Neuralangelo's stencil"),
@@ -168,8 +170,8 @@ METHODS = {
             "arXiv 1911.10414",
             None,
             unsigned_distances,
-            softplus_net,
-            SAL_RATES,
+            field=softplus_net,
+            rates=SAL_RATES,
         ),
         published("digs", DIGS, DIVERGENCE_CLAMPED, VANISHING, exact, "arXiv 2106.10811", sphere_siren),
         replace(

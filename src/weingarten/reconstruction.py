@@ -251,6 +251,7 @@ def remesh(
         sharp=settings.sharp if sharp is None else sharp,
         trim=settings.trim if trim is None else trim,
     )
-    unit = frame.to_unit(thinned(points, settings.seed))
+    given = frame.to_unit(thinned(points, settings.seed))
+    unit = settings.resolved_method().preparation.settle(given).points
     mesh, notes = surface(field.module, replace(found.origin, settings=settings), unit, crew_for(device))
     return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes

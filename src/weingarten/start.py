@@ -40,7 +40,8 @@ class Start:
     """One part before the first step of its fit.
 
     cloud: the points that are of use, world units; unit: those that the fit draws from, all or
-    `weingarten.scan.thinning.thinned`, in the unit frame. generator: of the draws.
+    `weingarten.scan.thinning.thinned`, in the unit frame, moved towards their surface where they are noisy.
+    generator: of the draws.
     noise: mean distance of the points from their surface, unit lengths.
     notes: what the user should know of the cloud and of the signs that free space gave.
     """
@@ -64,21 +65,25 @@ class Start:
         First weights and the pool of signed points are drawn on the CPU, on every device the same; the draws
         of the steps are made on the GPU where that can.
         """
+        method = settings.resolved_method()
         diagnosis = diagnose(np.asarray(points, dtype=np.float64))
-        frame = Frame.of(diagnosis.points)
-        unit = frame.to_unit(thinned(diagnosis.points, settings.seed))
+        cloud, cleaning = method.preparation.cleaned(diagnosis.points, settings.seed)
+        frame = Frame.of(cloud)
+        given = frame.to_unit(thinned(cloud, settings.seed))
+        settled = method.preparation.settle(given)
         generator = torch.Generator().manual_seed(settings.seed)
         field = settings.field(generator) if module is None else module
-        tree = KDTree(unit, leafsize=LEAF, compact_nodes=False)
-        draws, notes = settings.resolved_method().knowledge(unit, tree, generator)
+        tree = KDTree(settled.points, leafsize=LEAF, compact_nodes=False)
+        draws, notes = method.knowledge(settled, tree, generator)
+        draws.weight = settled.weight
         if module is None and isinstance(field, Siren):
             field.refine(draws.detail)
         if device.type == "cuda":
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)
-        notes = (*diagnosis.notes, *thinning_notes(len(diagnosis.points), len(unit)), *notes)
-        noise = noise_level(unit, tree)
-        return cls(settings, diagnosis.points, frame, unit, field.to(device), draws, generator, noise, notes)
+        said = (*diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
+        noise = noise_level(given, tree if given is settled.points else KDTree(given))
+        return cls(settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said)
 
     @functools.cached_property
     def origin(self) -> Origin:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from weingarten.samples.parts import sample_part
-from weingarten.scan.noise import noise_level
+from weingarten.scan.noise import Noise, noise_level, noise_of
 
 
 def level(points):
@@ -35,3 +35,52 @@ def test_of_a_clean_part_it_is_next_to_nothing_and_rises_with_noise():
 def test_few_points_and_points_in_a_line():
     line = np.linspace(0, 1, 5)[:, None] * [1.0, 2.0, 3.0]
     assert level(line) < 1e-12
+
+
+def noise(points):
+    return noise_of(points, KDTree(points))
+
+
+def scattered(name, deviation, count=30_000):
+    """A bundled part with Gaussian noise of so many diagonals, and that as a length."""
+    points = sample_part(name, count, 0)
+    sigma = deviation * float(np.linalg.norm(np.ptp(points, axis=0)))
+    return points + np.random.default_rng(1).normal(0, sigma, points.shape), sigma
+
+
+@pytest.mark.parametrize("name", ["flange", "bracket", "block"])
+@pytest.mark.parametrize("deviation", [0.001, 0.0025, 0.005])
+def test_noise_is_told_and_measured(name, deviation):
+    points, sigma = scattered(name, deviation)
+    assert noise(points).level == pytest.approx(sigma, rel=0.15)
+
+
+@pytest.mark.parametrize("name", ["flange", "bracket", "block"])
+@pytest.mark.parametrize("count", [1000, 3000, 30_000])
+def test_a_clean_part_has_none_however_few_its_points(name, count):
+    assert noise(sample_part(name, count, 0)).level < 1e-4 * np.ptp(sample_part(name, count, 0), axis=0).max()
+
+
+def test_more_noise_takes_larger_neighbourhoods():
+    counts = [noise(scattered("block", deviation)[0]).neighbours for deviation in (0.001, 0.005, 0.01)]
+    assert counts == sorted(counts)
+    assert counts[0] < counts[2]
+
+
+def test_two_sides_of_a_thin_wall_are_no_noise():
+    random = np.random.default_rng(0)
+    points = random.uniform(-1, 1, (4000, 3))
+    points[:, 2] = random.choice([-0.02, 0.02], 4000)
+    assert noise(points).level == 0.0
+
+
+@pytest.mark.parametrize("scale", [1e-5, 1e6])
+def test_noise_has_the_unit_of_the_points(scale):
+    points, sigma = scattered("block", 0.0025, 10_000)
+    assert noise(scale * points).level == pytest.approx(scale * noise(points).level, rel=1e-6)
+    assert noise(scale * points).neighbours == noise(points).neighbours
+    assert sigma > 0
+
+
+def test_too_few_points_to_tell():
+    assert noise(sample_part("block", 150, 0)) == Noise()

@@ -44,9 +44,11 @@ class CloudDraws:
     surface: from the cloud, with replacement between steps, spread over it within a step (`spread`).
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
     detail: by what factor a field's waves should begin shorter, as far as is known of the part.
+    weight: what each point of the cloud counts; None where all count fully.
     """
 
     detail: float = 1.0
+    weight: Float[Tensor, " n"] | None = None
 
     def __init__(self, points: Float64[np.ndarray, "n 3"], tree: KDTree) -> None:
         self.points = torch.from_numpy(points.astype(np.float32))
@@ -55,6 +57,7 @@ class CloudDraws:
     def move(self, device: torch.device) -> None:
         """Go to the device of the generator that will be drawn with."""
         self.points, self.sigma = self.points.to(device), self.sigma.to(device)
+        self.weight = None if self.weight is None else self.weight.to(device)
 
     def __call__(self, count: int, generator: torch.Generator) -> dict[str, Sample]:
         """The samples of one step, on the device of the generator."""
@@ -70,7 +73,11 @@ class CloudDraws:
 
     def surface(self, chosen: Tensor) -> Sample:
         """The points of these numbers."""
-        return Sample(self.points[chosen])
+        return Sample(self.points[chosen], weight=self.weights(chosen))
+
+    def weights(self, chosen: Tensor) -> Float[Tensor, " n"] | None:
+        """Of these points, where not all count fully."""
+        return None if self.weight is None else self.weight[chosen]
 
     def near(self, surface: Float[Tensor, "n 3"], chosen: Tensor, generator: torch.Generator) -> Sample:
         """About the surface draw, which are the points number `chosen`."""

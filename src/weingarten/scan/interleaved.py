@@ -11,7 +11,7 @@ from weingarten.scan.sample import Sample
 
 
 class Interleaved:
-    """Draws of m parts, all knowing the same about their points; see `weingarten.scan.draws.Draws`."""
+    """Draws of m parts, all knowing the same about their points but for weights; see `scan.draws.Draws`."""
 
     def __init__(self, members: Sequence[Draws]) -> None:
         self.members = list(members)
@@ -25,5 +25,7 @@ class Interleaved:
 
 def side_by_side(samples: Sequence[Sample]) -> Sample:
     """Equally many points of each of m parts as (n, m) points."""
+    if any(sample.weight is not None for sample in samples):
+        samples = [replace(sample, weight=sample.weights) for sample in samples]
     rows = [sample.tensors for sample in samples]
     return replace(samples[0], **{name: torch.stack([row[name] for row in rows], dim=1) for name in rows[0]})

@@ -1,8 +1,15 @@
 """How far the points of a cloud are from their surface, from the cloud alone."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Float64
 from scipy.spatial import KDTree
+from scipy.stats import chi2
+
+from weingarten.scan.normals import least_planes
+
+Points = Float64[np.ndarray, "n 3"]
 
 NEIGHBOURS = 24
 ASKED = 1000
@@ -11,8 +18,94 @@ ASKED = 1000
 UNKNOWNS = 3
 """Of a plane."""
 
+FEWEST, MOST = 12, 192
+"""Neighbours that noise is measured with: fewer do not tell it, more reach beyond what is flat."""
 
-def noise_level(points: Float64[np.ndarray, "n 3"], tree: KDTree) -> float:
+REACH = 5.0
+"""Radius of a neighbourhood, in standard deviations of the noise, at which it is told from the surface."""
+
+LOW, FLATTEST = 0.1, 0.3
+"""The quantile of neighbourhoods that noise is read from; the share of them whose residuals are judged."""
+
+ALIKE, KURTOSIS = 0.8, (2.2, 3.2)
+"""Noise is the same everywhere: least ratio of the quantile to the median, both as standard deviations. And
+residuals are Gaussian, of kurtosis 3, or less where a neighbourhood is small. Two sides of a thin wall have
+one of 1, edges and curved places one far above 3."""
+
+GROWTH = 1.35
+"""By how much the measured noise may grow with a doubled neighbourhood, which had been too small before."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """level: standard deviation of the points from their surface, in their unit; 0 where no noise is certain.
+
+    neighbours: of the neighbourhoods in which it is told from the surface.
+    """
+
+    level: float = 0.0
+    neighbours: int = FEWEST
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Of neighbourhoods of one size. level: as standard deviation of the noise, if they are noise at all."""
+
+    level: float
+    radius: float
+    alike: float
+    kurtosis: float
+
+    @classmethod
+    def of(cls, points: Points, tree: KDTree, neighbours: int) -> "Residuals":
+        """About ASKED points."""
+        asked = points[np.linspace(0, len(points) - 1, min(ASKED, len(points))).astype(int)]
+        reach, near = tree.query(asked, k=neighbours + 1, workers=-1)
+        patches = points[near]
+        planes = least_planes(patches)
+        freedom = neighbours + 1 - UNKNOWNS
+        spread = np.sqrt(np.maximum(planes.variances[:, 0], 0.0) * (neighbours + 1) / freedom)
+        flattest = spread <= np.quantile(spread, FLATTEST)
+        offsets = np.einsum("nkd,nd->nk", patches - planes.centres[:, None], planes.normals)[flattest]
+        radius = float(np.median(np.asarray(reach)[:, -1]))
+        offsets /= np.maximum(spread[flattest], np.finfo(float).eps * radius)[:, None]
+        level = np.quantile(spread, LOW) / np.sqrt(chi2.ppf(LOW, freedom) / freedom)
+        return cls(
+            level=float(level),
+            radius=radius,
+            alike=float(level / max(np.median(spread), np.finfo(float).tiny)),
+            kurtosis=float((offsets**4).mean() / max((offsets**2).mean() ** 2, np.finfo(float).tiny)),
+        )
+
+    @property
+    def noisy(self) -> bool:
+        """Whether they look like noise, rather than like a surface."""
+        return self.alike > ALIKE and KURTOSIS[0] < self.kurtosis < KURTOSIS[1]
+
+
+def noise_of(points: Points, tree: KDTree) -> Noise:
+    """The noise of a cloud in any frame, in neighbourhoods that are doubled until they tell it.
+
+    Where residuals of even the smallest do not look like noise, or those of larger ones like two sides of a
+    wall, there is none to speak of.
+    """
+    neighbours = FEWEST
+    if len(points) <= MOST:
+        return Noise()
+    found = Residuals.of(points, tree, neighbours)
+    if not found.noisy:
+        return Noise()
+    while found.radius < REACH * found.level and 2 * neighbours <= MOST:
+        larger = Residuals.of(points, tree, 2 * neighbours)
+        if larger.kurtosis < KURTOSIS[0]:
+            return Noise()
+        if not larger.noisy or larger.level > GROWTH * found.level:
+            break
+        found, neighbours = larger, 2 * neighbours
+    return Noise(found.level, neighbours)
+
+
+def noise_level(points: Points, tree: KDTree) -> float:
     """Mean distance of the points from the planes through their neighbourhoods, in the points' unit.
 
     The lower quartile over neighbourhoods of mean |residual| of a least-squares plane, times √(k / (k − 3))

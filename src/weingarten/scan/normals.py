@@ -1,7 +1,28 @@
 """Normals of neighbourhoods: directions of least variance (Hoppe et al. 1992, §3.2)."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Float64
+
+
+@dataclass(frozen=True)
+class Planes:
+    """The planes of least squares through patches: their points' mean, unit normals of arbitrary sign, and
+    the points' variances along the principal axes, the least first.
+    """
+
+    centres: Float64[np.ndarray, "n 3"]
+    normals: Float64[np.ndarray, "n 3"]
+    variances: Float64[np.ndarray, "n 3"]
+
+
+def least_planes(patches: Float64[np.ndarray, "n k 3"]) -> Planes:
+    """Through each patch."""
+    centres = patches.mean(axis=1)
+    centred = patches - centres[:, None]
+    variances, directions = np.linalg.eigh(centred.transpose(0, 2, 1) @ centred)
+    return Planes(centres, directions[:, :, 0], variances / patches.shape[1])
 
 
 def plane_normals(
@@ -11,6 +32,5 @@ def plane_normals(
 
     The flatness is the ratio of the two smaller variances: 0 on a plane, 1 where there is no direction.
     """
-    centred = patches - patches.mean(axis=1, keepdims=True)
-    variances, directions = np.linalg.eigh(centred.transpose(0, 2, 1) @ centred)
-    return directions[:, :, 0], variances[:, 0] / np.maximum(variances[:, 1], np.finfo(float).tiny)
+    planes = least_planes(patches)
+    return planes.normals, planes.variances[:, 0] / np.maximum(planes.variances[:, 1], np.finfo(float).tiny)

@@ -71,18 +71,27 @@ def orientation(
     witnesses: Float64[np.ndarray, "m 3"],
     signs: Float64[np.ndarray, " m"],
     nearest: Int64[np.ndarray, " m"],
+    planes: tuple[Points, Float64[np.ndarray, " n"]] | None = None,
 ) -> Orientation:
     """Normals of points in any frame.
 
     tree: of the points. witnesses: with their signs, +1 outside and −1 inside, and nearest points.
+    planes: unit normals, and how flat it is about each point, from 0 to 1, where noise asked for larger
+        neighbourhoods than these.
     """
     reach, near = tree.query(points, k=NEIGHBOURS + 1, workers=-1)
     near = np.asarray(near)[:, 1:]
-    normals, flatness = plane_normals(points[near])
+    normals, flat = flat_normals(points[near]) if planes is None else planes
     told = evidence(points, normals, witnesses, signs, nearest)
     sure = spread_signs(points, normals, near, told)
-    trust = np.minimum(np.abs(sure), 1.0) / (1.0 + (flatness / FLAT) ** 2)
+    trust = np.minimum(np.abs(sure), 1.0) * flat
     return Orientation(normals * (np.sign(sure) * trust)[:, None], float(np.median(np.asarray(reach)[:, -1])))
+
+
+def flat_normals(patches: Float64[np.ndarray, "n k 3"]) -> tuple[Points, Float64[np.ndarray, " n"]]:
+    """Normals of patches, and how flat they are, from 0 to 1."""
+    normals, flatness = plane_normals(patches)
+    return normals, 1.0 / (1.0 + (flatness / FLAT) ** 2)
 
 
 def evidence(

@@ -12,6 +12,8 @@ from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.orientation import TRUSTED, Orientation, orientation
 from weingarten.scan.sample import Sample
 
+Points = Float64[np.ndarray, "n 3"]
+
 WITHIN, WIDTH = 0.3, 0.5
 """Share of the pool that lies in the shell where normals tell signs; how far about the cloud, in τ."""
 
@@ -24,6 +26,8 @@ class OrientedDraws(SignedDraws):
 
     Free space tells the normals' signs, and they tell signs where it is silent: WITHIN of the pool lie in the
     shell, about the cloud at N(0, (WIDTH τ)²), with the distance that the nearest point's normal gives.
+
+    planes: as in `weingarten.scan.orientation.orientation`.
     """
 
     def __init__(
@@ -32,11 +36,12 @@ class OrientedDraws(SignedDraws):
         tree: KDTree,
         space: FreeSpace,
         generator: torch.Generator,
+        planes: tuple[Points, Float64[np.ndarray, " n"]] | None = None,
     ) -> None:
         super().__init__(points, tree, space, generator)
         told = self.nearest >= 0
         witnesses, signs = positions(self.pool)[told], np.sign(self.distance.numpy()[told])
-        found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told])
+        found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told], planes)
         self.normals, self.detail = torch.from_numpy(found.normals.astype(np.float32)), detail(found)
         within, distance = self.within(tree, found, WIDTH * space.shell, generator)
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
@@ -66,4 +71,4 @@ class OrientedDraws(SignedDraws):
 
     def surface(self, chosen: Tensor) -> Sample:
         """See CloudDraws."""
-        return Sample(self.points[chosen], normals=self.normals[chosen])
+        return Sample(self.points[chosen], normals=self.normals[chosen], weight=self.weights(chosen))

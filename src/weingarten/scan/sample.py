@@ -19,6 +19,7 @@ class Sample:
     angles: by which tangent frames are turned, radians; None where no frame will be asked for.
     unsigned: distance to the nearest point of the cloud, unit lengths; None where it was not worked out.
     normals: outward, as long as they are to be trusted, from 0 to 1; None where they were not estimated.
+    weight: what a point counts in the data term, at most 1; None where all count fully.
     progress: t = step / steps of the step that they were drawn for, where a term asks for it; else 0.
     """
 
@@ -27,12 +28,18 @@ class Sample:
     angles: Float[Tensor, "n *m"] | None = None
     unsigned: Float[Tensor, "n *m"] | None = None
     normals: Float[Tensor, "n *m 3"] | None = None
+    weight: Float[Tensor, "n *m"] | None = None
     progress: float = 0.0
 
     @property
     def turns(self) -> Float[Tensor, "n *m"]:
         """The angles, zero where none were drawn."""
         return self.points.new_zeros(self.points.shape[:-1]) if self.angles is None else self.angles
+
+    @property
+    def weights(self) -> Float[Tensor, "n *m"]:
+        """What points count, 1 where nothing is said."""
+        return self.points.new_ones(self.points.shape[:-1]) if self.weight is None else self.weight
 
     def __len__(self) -> int:
         return len(self.points)

@@ -11,6 +11,9 @@ from weingarten.mesh import Mesh
 SUPPORT = 0.1
 """Share of the points expected by its area that a piece must have nearest to itself."""
 
+FEWEST = 12
+"""Points that a piece must have in any case: fewer are what outliers leave."""
+
 MOST_POINTS = 200_000
 """At most so many points, evenly picked, are asked."""
 
@@ -19,8 +22,9 @@ def drop_ghosts(mesh: Mesh, points: Float64[np.ndarray, "n 3"]) -> Mesh:
     """The mesh without the connected pieces that the scan does not support.
 
     Every point speaks for the piece that its nearest vertex belongs to. A piece stays when it has at least a
-    tenth of the points that its share of the area lets expect; a void inside a wall has none, though points
-    are near. The piece with the most points always stays. A mesh without ghosts is returned as it is.
+    tenth of the points that its share of the area lets expect, and FEWEST; a void inside a wall has none,
+    though points are near. The piece with the most points always stays. A mesh without ghosts is returned as
+    it is.
 
     mesh, points: in one and the same frame.
     """
@@ -32,7 +36,7 @@ def drop_ghosts(mesh: Mesh, points: Float64[np.ndarray, "n 3"]) -> Mesh:
     _, nearest = KDTree(mesh.vertices).query(asked, workers=-1)
     voices = np.bincount(piece[nearest], minlength=count)
     area = np.bincount(piece[mesh.faces[:, 0]], weights=mesh.areas, minlength=count)
-    keep = voices > SUPPORT * len(asked) * area / area.sum()
+    keep = (voices > SUPPORT * len(asked) * area / area.sum()) & (voices >= FEWEST)
     keep[np.argmax(voices)] = True
     return mesh if keep.all() else _part(mesh, keep[piece])
 

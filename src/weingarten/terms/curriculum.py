@@ -27,8 +27,9 @@ HARDNESS = Schedule("step", ((0.0, 0.0), (0.1, 0.1), (0.3, 0.2), (0.5, 0.5)))
 
 
 def on_surface(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
-    """max(|f| − ε(t), 0), unit lengths."""
-    return (jet.value.abs() - TOLERANCE(sample.progress)).clamp_min(0.0)
+    """w max(|f| − ε(t), 0), unit lengths, with w the weight of the point: 1 unless the cloud is noisy."""
+    error = (jet.value.abs() - TOLERANCE(sample.progress)).clamp_min(0.0)
+    return error if sample.weight is None else error * sample.weight
 
 
 def off_surface(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:

@@ -9,8 +9,9 @@ from weingarten.terms.term import Term
 
 
 def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
-    """|f|, unit lengths."""
-    return jet.value.abs()
+    """w |f|, unit lengths, with w the weight of the point: 1 unless the cloud is noisy."""
+    error = jet.value.abs()
+    return error if sample.weight is None else error * sample.weight
 
 
 DIRICHLET = Term("dirichlet", residual, (SURFACE,), VALUE)

@@ -1,0 +1,88 @@
+"""Points moved towards their surface: what noise has scattered is brought together where the surface is flat.
+
+With the plane of least squares through a point's neighbours, of variances v₁ ≤ v₂ ≤ v₃, and the noise's
+standard deviation σ, the point goes to the plane by the share
+
+    t = 1 / (1 + (e / FLAT)²),   e = max(0, v₁ − σ²) / v₂,
+
+so nearly all of the way where all that is not flat is noise, and hardly at all near edges. Every round but
+the first has to do with HALF of the noise that the round before had.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float, Float64
+from scipy.spatial import KDTree
+from torch import Tensor
+
+from weingarten.scan.noise import Noise
+from weingarten.scan.normals import least_planes
+
+Points = Float64[np.ndarray, "n 3"]
+
+FLAT = 0.03
+"""Ratio of a neighbourhood's two smaller variances at which it counts half as flat: edges."""
+
+ROUNDS, HALF = 2, 0.5
+BLOCK = 20_000
+
+FULL_WEIGHT = 1.5e-3
+"""Uncertainty of a point, unit lengths, up to which it counts fully."""
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Points that a fit draws from, unit frame. noise: that they had.
+
+    flat: t of each, normals: of unit length and arbitrary sign; None where there is no noise, and the points
+    are as they were given.
+    """
+
+    points: Points
+    noise: Noise
+    flat: Float64[np.ndarray, " n"] | None = None
+    normals: Points | None = None
+
+    @property
+    def weight(self) -> Float[Tensor, " n"] | None:
+        """What each point counts in the data term: min(1, FULL_WEIGHT / its uncertainty); None without noise.
+
+        The uncertainty is σ √((1 − t)² + 4 t² / k): the point has gone to a plane through k others.
+        """
+        if self.flat is None:
+            return None
+        left = (1.0 - self.flat) ** 2 + 4.0 * self.flat**2 / self.noise.neighbours
+        weight = np.minimum(1.0, FULL_WEIGHT / (self.noise.level * np.sqrt(left)))
+        return torch.from_numpy(weight.astype(np.float32))
+
+
+def settled(points: Points, noise: Noise) -> Settled:
+    """After ROUNDS rounds; the same points where there is no noise."""
+    if noise.level == 0.0:
+        return Settled(points, noise)
+    level = noise.level
+    for _ in range(ROUNDS):
+        flat, normals, offsets = flattened(points, noise.neighbours, level)
+        points = points - (flat * offsets)[:, None] * normals
+        level = HALF * noise.level
+    flat, normals, _ = flattened(points, noise.neighbours, level)
+    return Settled(points, noise, flat, normals)
+
+
+def flattened(
+    points: Points, neighbours: int, level: float
+) -> tuple[Float64[np.ndarray, " n"], Points, Float64[np.ndarray, " n"]]:
+    """t, the normal of the plane, and how far before it a point lies."""
+    tree = KDTree(points)
+    flat, normals, offsets = np.empty(len(points)), np.empty_like(points), np.empty(len(points))
+    for start in range(0, len(points), BLOCK):
+        block = slice(start, start + BLOCK)
+        planes = least_planes(points[tree.query(points[block], k=neighbours + 1, workers=-1)[1]])
+        excess = np.maximum(planes.variances[:, 0] - level**2, 0.0)
+        ratio = excess / np.maximum(planes.variances[:, 1], np.finfo(float).tiny)
+        flat[block] = 1.0 / (1.0 + (ratio / FLAT) ** 2)
+        normals[block] = planes.normals
+        offsets[block] = np.einsum("nd,nd->n", points[block] - planes.centres, planes.normals)
+    return flat, normals, offsets
