@@ -153,6 +153,7 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
     summary = summarise(
         start.cloud, world, noise, ending.steps, planned, ending.finished, ending.loss, seconds, notes
     )
+    summary = replace(summary, doubts=(*start.doubts, *summary.doubts))
     for doubt in summary.doubts:
         clock.observer.note(doubt)
     clock.phase("")

@@ -19,6 +19,7 @@ from weingarten.fit.loop import CHUNK, GPU_CHUNK, Loop
 from weingarten.fit.optimisers import OPTIMISERS, RATES
 from weingarten.frame import Frame
 from weingarten.scan.diagnose import diagnose
+from weingarten.scan.doubts import doubts
 from weingarten.scan.draws import REACH, Draws
 from weingarten.scan.generators import Generators
 from weingarten.scan.noise import noise_level
@@ -43,7 +44,8 @@ class Start:
     `weingarten.scan.thinning.thinned`, in the unit frame, moved towards their surface where they are noisy.
     generator: of the draws.
     noise: mean distance of the points from their surface, unit lengths.
-    notes: what the user should know of the cloud and of the signs that free space gave.
+    notes: what the user should know of the cloud and of the signs that free space gave. doubts: what speaks
+    against a mesh of it, whatever comes out.
     """
 
     settings: Settings
@@ -55,6 +57,7 @@ class Start:
     generator: torch.Generator
     noise: float
     notes: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @classmethod
     def of(
@@ -83,7 +86,10 @@ class Start:
             generator = torch.Generator(device).manual_seed(settings.seed)
         said = (*diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
         noise = noise_level(given, tree if given is settled.points else KDTree(given))
-        return cls(settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said)
+        against = doubts(settled.noise, draws.known, frame.scale)
+        return cls(
+            settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said, against
+        )
 
     @functools.cached_property
     def origin(self) -> Origin:

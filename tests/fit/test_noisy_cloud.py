@@ -25,7 +25,7 @@ def start(points, method):
 def test_ours_settles_and_weighs_and_leaves_outliers_out():
     found = start(NOISY, "odw-oriented")
     assert 5700 < len(found.cloud) < 5950
-    assert any("left out as outliers" in note for note in found.notes)
+    assert any("Left out as outliers" in note for note in found.notes)
     assert not np.array_equal(found.unit, found.frame.to_unit(found.cloud))
     sample = found.draws(500, found.generator)[SURFACE]
     assert sample.weight is not None

@@ -53,7 +53,7 @@ def test_one_far_away_does_not_shrink_the_part():
     points = np.concatenate([sample_part("flange", 5000, 0), [[1e5, 0.0, 0.0]]])
     kept, notes = AS_SCANNED.cleaned(points, 0)
     assert np.ptp(kept, axis=0).max() < 100.0
-    assert "left out as outliers" in notes[0]
+    assert "Left out as outliers" in notes[0]
     assert AS_GIVEN.cleaned(points, 0) == (points, ())
 
 
@@ -62,7 +62,9 @@ def test_of_many_points_the_rest_are_as_the_nearest_that_was_judged(monkeypatch)
     monkeypatch.setattr(module, "thinned", lambda points, seed: points[::2])
     found = outliers(points, 0)
     assert found.shape == strange.shape
-    assert found[strange].mean() > 0.9 * outliers(points[::2], 0)[strange[::2]].mean() > 0.55
+    judged = outliers(points[::2], 0)[strange[::2]].mean()
+    assert judged > 0.5
+    assert found[strange].mean() > judged - 0.02
     assert found[~strange].mean() < 0.01
 
 

@@ -45,9 +45,11 @@ class CloudDraws:
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
     detail: by what factor a field's waves should begin shorter, as far as is known of the part.
     weight: what each point of the cloud counts; None where all count fully.
+    known: share of the points at which the direction of the surface is known; 1 where nobody asked for it.
     """
 
     detail: float = 1.0
+    known: float = 1.0
     weight: Float[Tensor, " n"] | None = None
 
     def __init__(self, points: Float64[np.ndarray, "n 3"], tree: KDTree) -> None:

@@ -43,6 +43,7 @@ class OrientedDraws(SignedDraws):
         witnesses, signs = positions(self.pool)[told], np.sign(self.distance.numpy()[told])
         found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told], planes)
         self.normals, self.detail = torch.from_numpy(found.normals.astype(np.float32)), detail(found)
+        self.known = float(np.mean(found.trust > TRUSTED))
         within, distance = self.within(tree, found, WIDTH * space.shell, generator)
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
         self.pool = torch.cat([self.pool[kept], within])

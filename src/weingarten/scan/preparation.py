@@ -48,8 +48,8 @@ class Preparation:
             raise CloudError(
                 f"{count} of {len(points)} points belong to no surface; scan the part more densely."
             )
-        share = f"{100.0 * count / len(points):.2g} %"
-        said = f"{count:,} of {len(points):,} points ({share}) belong to no surface; left out as outliers."
+        said = f"{count:,} of {len(points):,} points ({100.0 * count / len(points):.2g} %)"
+        said = f"Left out as outliers, which belong to no surface: {said}."
         return points[~found], (said,)
 
 
