@@ -8,7 +8,9 @@ import torch
 from hypothesis import HealthCheck, settings
 from jaxtyping import install_import_hook
 
-import weingarten.calculus.kernels  # noqa: F401  before the hook: what numba compiles cannot be wrapped
+# before the hook: what numba compiles cannot be wrapped
+import weingarten.calculus.kernels
+import weingarten.metrics.face_pairs  # noqa: F401
 
 HOOK = install_import_hook("weingarten", "beartype.beartype")
 torch.set_num_threads(1)

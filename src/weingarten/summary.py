@@ -9,6 +9,7 @@ from jaxtyping import Float64
 from weingarten.mesh import Mesh
 from weingarten.metrics.coverage import coverage
 from weingarten.metrics.distance import closest
+from weingarten.metrics.self_intersections import self_intersecting
 from weingarten.metrics.topology import topology
 
 MOST_POINTS = 200_000
@@ -22,7 +23,8 @@ class Summary:
     points: of the cloud, after cleaning. distance_*: of cloud points to the mesh's triangles.
     guessed, missed: shares of the area far from all points, and of the points far from the mesh; doubts: what
     they say against the mesh, a sentence each (`weingarten.metrics.coverage`).
-    genus: None where the mesh is not closed. steps, of_steps: taken and planned.
+    genus: None where the mesh is not closed. self_intersecting: faces that pass through others.
+    steps, of_steps: taken and planned.
     finished: False after an interruption. loss: of the last step, None when none was taken.
     """
 
@@ -38,6 +40,7 @@ class Summary:
     watertight: bool
     components: int
     genus: int | None
+    self_intersecting: int
     volume: float
     steps: int
     of_steps: int
@@ -84,6 +87,7 @@ def summarise(
         watertight=shape.watertight,
         components=shape.components,
         genus=shape.genus,
+        self_intersecting=int(self_intersecting(mesh).sum()),
         volume=shape.volume,
         steps=steps,
         of_steps=of_steps,

@@ -17,7 +17,7 @@ def of(points):
 
 
 def test_nothing_speaks_against_a_good_scan():
-    assert doubts(Noise(), 0.9, 10.0) == ()
+    assert doubts(Noise(), 0.9, (), 10.0) == ()
     assert of(sample_part("bracket", 20_000, 0)) == ()
 
 
@@ -32,3 +32,12 @@ def test_noise_is_told_in_the_unit_of_the_cloud():
 @pytest.mark.parametrize("name", ["flange", "bracket", "block"])
 def test_too_few_points_are_told(name):
     assert any("too few points" in said for said in of(sample_part(name, 600, 0)))
+
+
+def test_a_hole_is_told_where_it_is():
+    points = sample_part("bracket", 20_000, 0)
+    middle = points[points[:, 0].argmax()]
+    (said,) = of(points[np.linalg.norm(points - middle, axis=1) > 12.0])
+    place = [float(number) for number in said.split("around (")[1].split(")")[0].split(", ")]
+    assert np.linalg.norm(place - middle) < 15.0
+    assert int(said.split(": ")[1].split()[0]) > 20

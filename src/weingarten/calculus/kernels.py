@@ -26,9 +26,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 from llvmlite import binding, ir
-from numba import njit, types
+from numba import types
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
+
+from weingarten.machine_code import machine_code
 
 COLUMNS = 96
 A, COS, LAMBDA, T_U, T_V = range(5)
@@ -47,19 +49,6 @@ ROWS, LANES = (8, 16) if WIDE else (4, 8)
 """A panel of a product is ROWS rows by two vectors of LANES numbers: what a processor's registers hold."""
 
 PANEL = 2 * LANES
-
-
-def machine_code(fastmath):
-    """njit without the interpreter's lock, kept on disk where there is a place for it, else compiled anew."""
-
-    def decorated(function):
-        options = {"nogil": True, "fastmath": fastmath, "error_model": "numpy"}
-        try:
-            return njit(cache=True, **options)(function)
-        except (RuntimeError, OSError):
-            return njit(**options)(function)
-
-    return decorated
 
 
 compiled: Any = machine_code(fastmath=True)

@@ -159,9 +159,10 @@ def sentences(output: Path, result: "Result") -> list[str]:
     summary = result.summary
     closed = "watertight" if summary.watertight else "NOT watertight"
     genus = "unknown" if summary.genus is None else str(summary.genus)
+    crossing = f"; {summary.self_intersecting:,} pass through others" if summary.self_intersecting else ""
     return [
         f"Wrote {output}: {summary.faces:,} triangles, {closed}, "
-        f"{summary.components} component{'s' if summary.components != 1 else ''}, genus {genus}.",
+        f"{summary.components} component{'s' if summary.components != 1 else ''}, genus {genus}{crossing}.",
         f"Points to mesh: mean {summary.distance_mean:.4g}, 95 % within {summary.distance_p95:.4g}, "
         f"farthest {summary.distance_max:.4g} (diagonal {summary.diagonal:.4g}), in the cloud's unit.",
         "Seconds: " + ", ".join(f"{name} {seconds:.1f}" for name, seconds in summary.seconds.items()) + ".",

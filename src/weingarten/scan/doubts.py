@@ -1,15 +1,21 @@
 """What a cloud cannot tell, however well it is fitted: known before the first step."""
 
+import numpy as np
+from jaxtyping import Float64
+
 from weingarten.scan.noise import Noise
+
+Points = Float64[np.ndarray, "_ 3"]
 
 KNOWN = 0.5
 """Share of the points with a normal that is to be trusted, below which a person should look."""
 
 
-def doubts(noise: Noise, known: float, scale: float) -> tuple[str, ...]:
+def doubts(noise: Noise, known: float, rims: tuple[Points, ...], scale: float) -> tuple[str, ...]:
     """What a person should know, a sentence each; none where nothing speaks against the cloud.
 
-    known: share of the points whose normal is to be trusted. scale: of the unit frame, in the cloud's unit.
+    known: share of the points whose normal is to be trusted. rims: where the cloud ends, world frame, the
+    longest first. scale: of the unit frame, in the cloud's unit.
     """
     found: tuple[str, ...] = ()
     if noise.level > 0.0:
@@ -21,5 +27,11 @@ def doubts(noise: Noise, known: float, scale: float) -> tuple[str, ...]:
         found += (
             f"At {100 * (1 - known):.0f} % of the points their neighbours do not tell how the surface lies: "
             "there are too few points for its detail, or too much noise, and its shape there is a guess.",
+        )
+    if rims:
+        place = ", ".join(f"{value:.4g}" for value in rims[0].mean(axis=0))
+        found += (
+            f"The cloud is open: {sum(map(len, rims)):,} points lie on rims, the longest around ({place}). "
+            "What closes the surface beyond is a guess; --trim-distance leaves out what is far from points.",
         )
     return found
