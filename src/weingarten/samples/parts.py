@@ -27,7 +27,8 @@ from weingarten.errors import OptionError
 from weingarten.mesh import Mesh
 from weingarten.samples.patches import Points, patches, primitives
 from weingarten.scan.sampling import Seed, generator
-from weingarten.surface.contour import extract
+from weingarten.surface.contour import Mesher, extraction
+from weingarten.surface.marching_cubes import marching_cubes
 
 UP = (0.0, 0.0, 1.0)
 ON_SURFACE = 1e-10
@@ -110,12 +111,16 @@ def part(name: str) -> Part:
 
 
 def sample_part(name: str, count: int, seed: Seed) -> Points:
-    """`count` points on the exact surface of a bundled part, uniform by area, world frame, millimetres.
+    """`sample_solid` of a bundled part, millimetres. Raises OptionError."""
+    return sample_solid(part(name), count, seed)
+
+
+def sample_solid(chosen: Part, count: int, seed: Seed) -> Points:
+    """`count` points on the exact surface of a solid, uniform by area, in its own frame.
 
     Points uniform on the surfaces of all primitives are kept where the whole solid's field is zero as well;
-    where two primitives share a face, only the first one's points are. Raises OptionError.
+    where two primitives share a face, only the first one's points are.
     """
-    chosen = part(name)
     leaves = primitives(chosen.solid)
     centre, reach = np.asarray(chosen.centre), float(np.linalg.norm(chosen.half))
     pieces = [(index, patch) for index, leaf in enumerate(leaves) for patch in patches(leaf, centre, reach)]
@@ -149,12 +154,16 @@ def _exposed(
 
 
 def part_mesh(name: str, resolution: int = 192) -> Mesh:
-    """A watertight mesh of a bundled part, world frame, millimetres: the contour of its exact field.
+    """`solid_mesh` of a bundled part, millimetres. Raises OptionError."""
+    return solid_mesh(part(name), resolution)
 
-    resolution: cells along the part's longest side. Faces and bores are within a few thousandths of a cell;
-    sharp edges are cut off by up to half a cell. Raises OptionError.
+
+def solid_mesh(chosen: Part, resolution: int, mesher: Mesher = marching_cubes) -> Mesh:
+    """A watertight mesh of a solid in its own frame: the contour of its exact field.
+
+    resolution: cells along the longest side. Faces and bores are within a few thousandths of a cell. mesher:
+    marching cubes cut sharp edges off by up to half a cell.
     """
-    chosen = part(name)
     centre, scale = np.asarray(chosen.centre), max(chosen.half)
 
     def values(points: Float[Tensor, "n 3"]) -> Float[Tensor, " n"]:
@@ -163,5 +172,5 @@ def part_mesh(name: str, resolution: int = 192) -> Mesh:
 
     margin = 1.0 + 4.0 / resolution
     upper: Float64[np.ndarray, " 3"] = np.asarray(chosen.half) / scale * margin + 1e-3
-    mesh = extract(values, -upper, upper, resolution)
+    mesh = extraction(values, -upper, upper, resolution, mesher=mesher).mesh
     return Mesh(mesh.vertices * scale + centre, mesh.faces)
