@@ -3,8 +3,8 @@
 A point's normal is the direction of least variance of its neighbourhood, or where that is not flat, that of
 the plane which most of the neighbourhood shares with it (`weingarten.scan.facets`). Its sign is told by
 witnesses: points of known signed distance whose nearest point of the cloud it is, so that nothing of the
-surface lies between them. From there signs spread to where no witness is, into thin walls and narrow gaps, as the
-minimiser of
+surface lies between them. From there signs spread to where no witness is, into thin walls and narrow gaps, as
+the minimiser of
 
     E(x) = ½ Σᵢⱼ wᵢⱼ (xᵢ − sᵢⱼ xⱼ)² + WITNESS Σᵢ |mᵢ| (xᵢ − sgn mᵢ)² + DOUBT Σᵢ xᵢ²
 
