@@ -26,6 +26,7 @@ from weingarten.scan.thinning import thinned
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, borne_out, summarise
+from weingarten.surface.cloud_planes import cloud_planes
 from weingarten.surface.contour import extraction
 from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.outer_faces import within_outer_faces
@@ -221,7 +222,8 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     """
     values, settings = field_values(module, crew), origin.settings
     lower, upper = np.array(origin.lower), np.array(origin.upper)
-    mesher = SharpContour(field_planes(module, crew)) if settings.sharp else marching_cubes
+    planes = field_planes(module, crew)
+    mesher = SharpContour(planes, cloud_planes(unit, planes)) if settings.sharp else marching_cubes
     found = extraction(values, lower, upper, settings.resolution, BATCH, crew, mesher)
     mesh = drop_ghosts(found.mesh, unit)
     notes = found.notes
