@@ -29,10 +29,12 @@ def read(reader: str, path: Path) -> None:
     """Read a file as what it is said to be; what is read must be well-formed. Raises a WeingartenError."""
     if reader == "points":
         points = read_points(path)
-        assert points.dtype == np.float64 and points.shape == (len(points), 3) and len(points) > 0
+        assert points.dtype == np.float64
+        assert points.shape == (max(len(points), 1), 3)
     else:
         mesh = read_mesh(path)
-        assert mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.vertices)
+        assert mesh.faces.min() >= 0
+        assert mesh.faces.max() < len(mesh.vertices)
         assert np.isfinite(mesh.vertices).all()
 
 
