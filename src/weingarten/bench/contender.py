@@ -15,6 +15,7 @@ from weingarten.bench.poisson import NEIGHBOURS, SCREENING, screened_poisson, so
 from weingarten.errors import CheckpointError
 from weingarten.fit.run_folder import RunFolder
 from weingarten.io.mesh import write_mesh
+from weingarten.io.reading import reading
 from weingarten.mesh import Mesh
 from weingarten.reconstruction import Result, reconstruct
 from weingarten.scan.sampling import Points
@@ -172,7 +173,10 @@ def attempt(make: Callable[[Scan], Made], scan: Scan) -> Made | Exception:
 
 def seconds_of(curve: Path) -> float:
     """Of all steps that a loss curve holds; 0 without one."""
-    if not curve.exists():
+    if not curve.is_file():
         return 0.0
-    with curve.open(newline="", encoding="utf-8") as stream:
+    with (
+        reading(curve, kind="a loss curve", remedy="delete it, and it is made again"),
+        curve.open(newline="", encoding="utf-8") as stream,
+    ):
         return sum(float(row["seconds"]) for row in csv.DictReader(stream) if row["seconds"])
