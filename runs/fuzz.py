@@ -99,7 +99,7 @@ def earlier(path: Path) -> list[Row]:
 def write(rows: list[Row], path: Path) -> None:
     """All rows as CSV, and beside it their sums as a page."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, [one.name for one in fields(Row)])
+        writer = csv.DictWriter(stream, [one.name for one in fields(Row)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(map(asdict, rows))
     commits = ", ".join(sorted({one.commit for one in rows}))

@@ -91,6 +91,8 @@ class Settings:
         check_range("The width of a field", self.width, 1, 4096)
         check_range("The depth of a field", self.depth, 1, 64)
         check_range("The weights of a field", self.width**2 * self.depth, 1, 1 << 27)
+        if not 0.0 < self.frequency < math.inf:
+            raise OptionError(f"The frequency of a field must be a positive number; got {self.frequency:g}.")
         if not 0.0 < self.rate <= 1.0:
             raise OptionError(f"--rate must be above 0 and at most 1; got {self.rate:g}.")
 

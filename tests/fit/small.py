@@ -8,7 +8,7 @@ from weingarten.settings import Settings, resolve
 
 def small_settings(steps: int = 4, seed: int = 0) -> Settings:
     """Few steps of few points, and a coarse surface."""
-    return resolve(steps=steps, points=50, resolution=16, seed=seed, sharp=False)
+    return resolve(steps=steps, points=50, resolution=8, seed=seed, sharp=False)
 
 
 def small_cloud(seed: int = 0) -> np.ndarray:

@@ -5,6 +5,7 @@ know when to stop, as the paper's tables were made (method §2).
 """
 
 import csv
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -179,4 +180,4 @@ def seconds_of(curve: Path) -> float:
         reading(curve, kind="a loss curve", remedy="delete it, and it is made again"),
         curve.open(newline="", encoding="utf-8") as stream,
     ):
-        return sum(float(row["seconds"]) for row in csv.DictReader(stream) if row["seconds"])
+        return math.fsum(float(row["seconds"]) for row in csv.DictReader(stream) if row.get("seconds"))

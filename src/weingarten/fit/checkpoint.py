@@ -122,7 +122,8 @@ def load(path: Path) -> Checkpoint:
     with reading(path, CheckpointError, "a checkpoint", "it is corrupted: delete it and start the fit anew"):
         with safe_open(path, framework="pt") as file:
             header = json.loads((file.metadata() or {})["weingarten"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            # copies: the tensors are the file itself, and would go with it if somebody wrote into it
+            tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
         if header["format"] != FORMAT:
             raise CheckpointError(
                 f"{path} is of format {header['format']!r}, not {FORMAT!r}; start the fit anew."
