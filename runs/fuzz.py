@@ -2,9 +2,9 @@
 
     python runs/fuzz.py --inputs 100000 --seed 0
 
-reads the mutations 0, 1, 2, … of a valid file of every reader and encoding (tests/io/mutation.py), as many of each,
-100,000 in all, and adds a row a reader to results/fuzz.csv, from which results/fuzz.md is made. What has been done
-is not done again: --seed says with which mutation to go on. A failure is printed with its seed, and the exit code is 1.
+reads the mutations 0, 1, 2, … of a valid file of every reader and encoding (tests/io/mutation.py), as many
+of each, 100,000 in all, and adds a row a reader to results/fuzz.csv, from which results/fuzz.md is made. --seed says
+with which mutation to go on another time. A failure is printed with its seed, and the exit code is 1.
 """
 
 import argparse
@@ -107,10 +107,11 @@ def write(rows: list[Row], path: Path) -> None:
     lines = [
         "# Mutated files of every format",
         "",
-        f"`{shlex.join(['python', *sys.argv])}`, the last of the slices that are summed here, {dates[0]} to {dates[-1]}, commit {commits}, {machine()}.",
+        f"`{shlex.join(['python', *sys.argv])}`, the last of the slices that are summed here, {dates[0]} to "
+        f"{dates[-1]}, commit {commits}, {machine()}.",
         "",
-        f"{sum(one.inputs for one in rows):,} inputs in {sum(one.seconds for one in rows):,.0f} s, "
-        f"{sum(one.failures for one in rows)} of them ended otherwise than with points, a mesh or one of our errors. "
+        f"{sum(one.inputs for one in rows):,} inputs in {sum(one.seconds for one in rows):,.0f} s; "
+        f"{sum(one.failures for one in rows)} ended otherwise than with points, a mesh or one of our errors. "
         f"Each had {SECONDS} s, and its process {MEMORY >> 20} MB more than it began with.",
         "",
         "| reader | inputs | failures | slowest input, s | its seed | process grew by, MB |",
@@ -120,8 +121,8 @@ def write(rows: list[Row], path: Path) -> None:
         own = [one for one in rows if one.reader == label]
         slow = max(own, key=lambda one: one.slowest)
         lines.append(
-            f"| {label} | {sum(one.inputs for one in own):,} | {sum(one.failures for one in own)} | {slow.slowest:.3f} "
-            f"| {slow.slowest_seed} | {max(one.peak for one in own):.1f} |"
+            f"| {label} | {sum(one.inputs for one in own):,} | {sum(one.failures for one in own)} "
+            f"| {slow.slowest:.3f} | {slow.slowest_seed} | {max(one.peak for one in own):.1f} |"
         )
     with replacing(path.with_suffix(".md")) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

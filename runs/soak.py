@@ -2,9 +2,10 @@
 
     python runs/soak.py --fits 200
 
-fits a bundled part again and again, with another seed each time, extracts, writes and reads the mesh, and writes
-results/soak.csv, a row a fit, and results/soak.md. Memory is what the process has resident after a collection of
-garbage; its slope is that of the straight line of least squares through all fits after the first quarter.
+fits a bundled part again and again, with another seed each time, extracts, writes and reads the mesh, and
+writes results/soak.csv, a row a fit, and results/soak.md. Memory is what the process has resident after
+a collection of garbage; its slope is that of the straight line of least squares through all fits after the
+first quarter.
 """
 
 import argparse
@@ -65,10 +66,11 @@ def page(rows: list[Row]) -> str:
             f"{len(rows)} fits of the bundled flange, 1,500 points, 30 steps, resolution 32, "
             f"{np.median(table[:, 1]):.1f} s each. After the first {len(rows) - len(warm)}:",
             "",
-            f"- resident memory: {1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (least squares; standard error = "
-            f"scatter {spread:.2f} MB ÷ (standard deviation of the fits' numbers {np.std(fits):.1f} × √{len(fits)})); "
-            f"mean of the first half {resident[:half].mean():.1f} MB, of the second {resident[half:].mean():.1f} MB, "
-            f"least {resident.min():.1f}, most {resident.max():.1f};",
+            f"- resident memory: {1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (least squares; the "
+            f"standard error is the scatter {spread:.2f} MB over the standard deviation of the fits' numbers, "
+            f"{np.std(fits):.1f}, times √{len(fits)}); mean of the first half {resident[:half].mean():.1f} MB, "
+            f"of the second {resident[half:].mean():.1f} MB, least {resident.min():.1f}, "
+            f"most {resident.max():.1f};",
             f"- threads: {warm[:, 3].min():.0f} to {warm[:, 3].max():.0f};",
             f"- open files: {warm[:, 4].min():.0f} to {warm[:, 4].max():.0f}.",
             "",
@@ -86,9 +88,9 @@ def main() -> None:
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         rows = [fitted(number, Path(folder)) for number in range(arguments.fits)]
-    with replacing(arguments.output.with_suffix(".csv")) as temporary:
-        with temporary.open("w", newline="", encoding="utf-8") as stream:
-            csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *rows])
+    table = arguments.output.with_suffix(".csv")
+    with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
+        csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *rows])
     with replacing(arguments.output) as temporary:
         temporary.write_text(page(rows), encoding="utf-8")
 

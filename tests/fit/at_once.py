@@ -1,4 +1,4 @@
-"""Four fits at once, in threads and in processes, beside the same four one after another: their meshes' hashes.
+"""Four fits at once, in threads and in processes, and the same one after another: hashes of their meshes.
 
 Run by itself with OMP_NUM_THREADS=2: `python at_once.py`. Processes are forked before anything is computed.
 """

@@ -1,6 +1,7 @@
-"""A disk that is full, or that nothing may be written to: earlier files stay, and a fit is kept and said where."""
+"""A disk that is full, or may not be written: earlier files stay, and a fit is kept and said where."""
 
 import errno
+import functools
 import json
 import os
 import resource
@@ -50,13 +51,14 @@ def test_the_earlier_file_stays(tmp_path, name, size):
     path = tmp_path / name
     path.write_bytes(b"earlier")
     points = np.random.default_rng(0).normal(size=(50, 3))
+    if path.suffix == ".png":
+        write = functools.partial(write_picture, path, points, SOLID)
+    elif path.suffix in FORMATS:
+        write = functools.partial(write_cloud, path, points)
+    else:
+        write = functools.partial(write_mesh, path, SOLID)
     with room(size), pytest.raises(OutputError, match=name):
-        if path.suffix == ".png":
-            write_picture(path, points, SOLID)
-        elif path.suffix in FORMATS:
-            write_cloud(path, points)
-        else:
-            write_mesh(path, SOLID)
+        write()
     assert path.read_bytes() == b"earlier"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -1,4 +1,4 @@
-"""A fit killed at any operation on a file leaves a folder that holds one fit or none, and an output that is whole."""
+"""A fit killed at any operation on a file leaves a folder with one fit or none, and a whole output."""
 
 import json
 import subprocess
