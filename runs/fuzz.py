@@ -3,8 +3,8 @@
     python runs/fuzz.py --inputs 100000 --seed 0
 
 reads the mutations 0, 1, 2, … of a valid file of every reader and encoding (tests/io/mutation.py), as many
-of each, 100,000 in all, and adds a row a reader to results/fuzz.csv, from which results/fuzz.md is made. --seed says
-with which mutation to go on another time. A failure is printed with its seed, and the exit code is 1.
+of each, 100,000 in all, and adds a row a reader to results/fuzz.csv, from which results/fuzz.md is made.
+--seed says with which mutation to go on another time. A failure is printed with its seed; the exit code is 1.
 """
 
 import argparse

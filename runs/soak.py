@@ -57,25 +57,27 @@ def page(rows: list[Row]) -> str:
     spread = float(np.std(resident - (start + slope * fits)))
     error = spread / (float(np.std(fits)) * len(fits) ** 0.5)
     half = len(resident) // 2
-    return "\n".join(
-        [
-            "# Many fits in one process",
-            "",
-            f"`{shlex.join(['python', *sys.argv])}`, {today()}, commit {commit(ROOT)}, {machine()}.",
-            "",
-            f"{len(rows)} fits of the bundled flange, 1,500 points, 30 steps, resolution 32, "
-            f"{np.median(table[:, 1]):.1f} s each. After the first {len(rows) - len(warm)}:",
-            "",
-            f"- resident memory: {1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (least squares; the "
-            f"standard error is the scatter {spread:.2f} MB over the standard deviation of the fits' numbers, "
-            f"{np.std(fits):.1f}, times √{len(fits)}); mean of the first half {resident[:half].mean():.1f} MB, "
-            f"of the second {resident[half:].mean():.1f} MB, least {resident.min():.1f}, "
-            f"most {resident.max():.1f};",
-            f"- threads: {warm[:, 3].min():.0f} to {warm[:, 3].max():.0f};",
-            f"- open files: {warm[:, 4].min():.0f} to {warm[:, 4].max():.0f}.",
-            "",
-        ]
+    deviation, half_means = np.std(fits), (resident[:half].mean(), resident[half:].mean())
+    memory = (
+        f"resident memory: {1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (least squares; the error is "
+        f"the scatter, {spread:.2f} MB, over the standard deviation of the fits' numbers, {deviation:.1f}, "
+        f"times √{len(fits)}); mean of the first half {half_means[0]:.1f} MB, of the second "
+        f"{half_means[1]:.1f}, least {resident.min():.1f}, most {resident.max():.1f};"
     )
+    lines = [
+        "# Many fits in one process",
+        "",
+        f"`{shlex.join(['python', *sys.argv])}`, {today()}, commit {commit(ROOT)}, {machine()}.",
+        "",
+        f"{len(rows)} fits of the bundled flange, 1,500 points, 30 steps, resolution 32, "
+        f"{np.median(table[:, 1]):.1f} s each. After the first {len(rows) - len(warm)}:",
+        "",
+        f"- {memory}",
+        f"- threads: {warm[:, 3].min():.0f} to {warm[:, 3].max():.0f};",
+        f"- open files: {warm[:, 4].min():.0f} to {warm[:, 4].max():.0f}.",
+        "",
+    ]
+    return "\n".join(lines)
 
 
 def main() -> None:
