@@ -160,6 +160,10 @@ def polygons() -> Iterator[Bad]:
                 body = rows + packed + bytes(12) if order.startswith(vertices) else packed + bytes(12) + rows
                 for reader in ("points", "mesh"):
                     yield f"ply list of {value} as {count}", reader, "a.ply", header + body
+    for encoding in ("ascii", "binary_little_endian", "binary_big_endian"):
+        nothing = f"ply\nformat {encoding} 1.0\nelement vertex 4294967295\nend_header\n".encode()
+        for reader in ("points", "mesh"):
+            yield f"ply {encoding} vertices of nothing", reader, "a.ply", nothing + rows
     head = "ply\nformat ascii 1.0\n"
     body = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
     face = "element face 1\nproperty list uchar int vertex_indices\n"
