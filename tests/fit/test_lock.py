@@ -95,7 +95,7 @@ def test_a_fit_is_refused_where_another_one_is_kept_and_read_meanwhile(tmp_path,
         def step(self, record, steps, seconds) -> None:
             if record.step == 2:
                 codes.append(main(["fit", str(tmp_path / "a.npy"), "-o", str(out), "--run", str(run)]))
-                codes.append(main(["mesh", str(run), "-o", str(out), "--sharp", "off"]))
+                codes.append(main(["mesh", str(run), "-o", str(out), "--resolution", "24"]))
                 opened(run)
 
     reconstruct(small_cloud(), small_settings(), run_folder=run, observer=Second())
