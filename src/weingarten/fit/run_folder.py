@@ -137,7 +137,7 @@ class RunFolder:
             (self.path / name).unlink(missing_ok=True)
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
-        if resumed is None or not self.cloud.exists():
+        if resumed is None or not self.cloud.is_file():
             with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
                 np.save(stream, points, allow_pickle=False)
         kept = [] if resumed is None else self.curve_until(resumed.step)
