@@ -71,7 +71,7 @@ def carried_out(
     from weingarten.bench.runner import Plan
     from weingarten.bench.store import Store
     from weingarten.cli.memory import keep_freed_memory
-    from weingarten.device import chosen_device
+    from weingarten.many.workers import Workers
     from weingarten.report.provenance import origin
 
     for name, value, most in (
@@ -81,18 +81,20 @@ def carried_out(
     ):
         if not 1 <= value <= most:
             raise OptionError(f"{name} must be between 1 and {most:,}; got {value}.")
-    plan = Plan(
-        Store(out),
-        parts_in(data, names(arguments.parts)),
-        contenders,
-        arguments.seeds,
-        arguments.points,
-        str(chosen_device(arguments.device)),
-        origin(),
-        share(arguments.shard),
-    )
-    with watching(arguments.quiet) as watcher:
-        return carry_out(plan, watcher, keep_freed_memory, baseline, arguments.retry, arguments.together)
+    parts, part = parts_in(data, names(arguments.parts)), share(arguments.shard)
+    crowd = Workers(keep_freed_memory)
+    with crowd.working(), watching(arguments.quiet) as watcher:
+        plan = Plan(
+            Store(out),
+            parts,
+            contenders,
+            arguments.seeds,
+            arguments.points,
+            crowd.device(arguments.device),
+            origin(crowd.threads.count),
+            part,
+        )
+        return carry_out(plan, watcher, crowd, baseline, arguments.retry, arguments.together)
 
 
 def watching(quiet: bool):

@@ -108,7 +108,7 @@ class RunFolder:
             with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
                 np.save(stream, points, allow_pickle=False)
         kept: list[list[str]] = []
-        if resumed is not None and self.curve.exists():
+        if resumed is not None and resumed.step > 0 and self.curve.exists():
             with self.curve.open(newline="") as stream:
                 kept = [row for row in csv.reader(stream) if row[:1] == ["step"] or before(row, resumed.step)]
         with replacing(self.curve) as temporary, temporary.open("w", newline="") as stream:
