@@ -10,7 +10,7 @@ INSTALLED := $(VENV)/.installed
 DEVELOPING := $(VENV)/.developing
 
 .DEFAULT_GOAL := help
-.PHONY: help install extras demo test lint tree bench clean
+.PHONY: help install extras demo test cluster lint tree bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -29,6 +29,10 @@ demo: $(INSTALLED) ## points of a bundled flange to a mesh, a picture and its er
 
 test: $(DEVELOPING) ## the tests
 	@$(BIN)/python -m pytest -n auto --maxprocesses 8 --dist worksteal $(PYTEST_ARGS)
+
+cluster: $(DEVELOPING) ## the tests with a Ray cluster, of which a machine is killed; installs Ray
+	@$(PIP) -e ".[ray]"
+	@$(BIN)/python -m pytest tests/many $(PYTEST_ARGS)
 
 lint: $(DEVELOPING) ## style, types, and whether README.md lists the files there are
 	@$(BIN)/ruff check --quiet

@@ -13,9 +13,13 @@ from weingarten.bench import job as work
 from weingarten.bench.contender import Contender, Neural
 from weingarten.bench.parts import Part, parts_in
 from weingarten.bench.results import results, write_results
-from weingarten.bench.runner import Plan, Watcher, Workers, batches, last_step, note_death, run
+from weingarten.bench.runner import Plan, batches, run
 from weingarten.bench.store import Store
-from weingarten.errors import InputError, OptionError
+from weingarten.errors import FitError, InputError, OptionError
+from weingarten.many.job import failure
+from weingarten.many.parcel import Parcel, unpack
+from weingarten.many.runner import Watcher
+from weingarten.many.workers import Workers, last_step, perform
 from weingarten.metrics.exact import Exact
 from weingarten.metrics.published import Published
 from weingarten.settings import resolve
@@ -129,18 +133,30 @@ class Ends(Watcher):
 class Here(Workers):
     """Fits in this process, which spares the start of another."""
 
-    def perform(self, batch, watcher) -> None:
-        work.perform(batch)
+    def perform(self, batches, watcher) -> None:
+        for batch in batches:
+            work.perform(batch)
+            watcher.end(batch)
 
 
 def carried_out(tmp_path: Path, parts: list[Part], contenders: list[Contender], **more) -> Ends:
     """Run a benchmark of 500 points in tmp_path/out; in processes of its own, where `apart` is true."""
-    workers = (Workers if more.get("apart", False) else Here)(os.getpid)
+    workers = more.get("workers") or (Workers if more.get("apart", False) else Here)(os.getpid)
     seeds, shard = more.get("seeds", 1), more.get("shard", (1, 1))
     plan = Plan(Store(tmp_path / "out"), parts, contenders, seeds, 500, "cpu", ORIGIN, shard)
     ends = Ends()
-    run(plan.jobs(), ends, more.get("retry", False), workers, more.get("together", 1))
+    with workers.working():
+        run(plan.jobs(), ends, more.get("retry", False), workers, more.get("together", 1))
     return ends
+
+
+class Elsewhere(Workers):
+    """Fits as on a machine that sees no folder of this one."""
+
+    def perform(self, batches, watcher) -> None:
+        for batch in batches:
+            unpack(Parcel.of(batch).done(perform), batch[0].root)
+            watcher.end(batch)
 
 
 def calls(tmp_path: Path) -> list[list[str]]:
@@ -166,6 +182,34 @@ def test_every_fit_is_made_judged_and_never_made_again(tmp_path, parts, cast):
         assert one.fit["commit"] == "c"
     first_of_all = results(Store(tmp_path / "out"))[0]
     assert first_of_all.number("published-1.excess_chamfer") == pytest.approx(0.0, abs=1e-4)
+
+
+def test_fits_of_other_machines_are_those_of_this_one(tmp_path, parts, cast):
+    np.savetxt(parts[0].truth.with_name("one.cloud.xyz"), trimesh.creation.icosphere(2).vertices)
+    with_cloud = parts_in(parts[0].truth.parent)
+    found = []
+    for name, crowd in (("here", Here), ("elsewhere", Elsewhere)):
+        carried_out(tmp_path / name, with_cloud, [cast.Copyist()], workers=crowd(os.getpid), seeds=2)
+        again = carried_out(tmp_path / name, with_cloud, [cast.Copyist()], workers=crowd(os.getpid), seeds=2)
+        assert again.names == []
+        assert len(calls(tmp_path / name)) == 4
+        found.append(results(Store(tmp_path / name / "out")))
+    for here, elsewhere in zip(*found, strict=True):
+        assert here.values == elsewhere.values
+        assert here.fit["truth"] == elsewhere.fit["truth"]
+        assert {*here.fit} == {*elsewhere.fit}
+    (tmp_path / "elsewhere/out/fits/two/copyist/seed0/figures.json").unlink()
+    parts[1].truth.write_text("ply\n")
+    with pytest.raises(OptionError, match="not the mesh"):
+        carried_out(tmp_path / "elsewhere", with_cloud, [cast.Copyist()], workers=Elsewhere(os.getpid))
+
+
+def test_what_fails_elsewhere_names_the_files_of_this_machine(tmp_path, parts, cast):
+    parts[0].truth.write_text("ply\n")
+    carried_out(tmp_path, parts, [cast.Copyist()], workers=Elsewhere(os.getpid))
+    one, two = results(Store(tmp_path / "out"))
+    assert str(parts[0].truth) in one.error
+    assert two.good
 
 
 def test_figures_that_are_missing_are_taken_without_another_fit(tmp_path, parts, cast):
@@ -198,14 +242,14 @@ def test_failures_are_noted_and_the_rest_goes_on(tmp_path, parts, cast):
     assert len(carried_out(tmp_path, parts[:1], troupe, retry=True, apart=True).names) == 4
 
 
-def test_a_death_while_judging_leaves_the_fit(tmp_path, parts, cast):
+def test_a_failure_while_judging_leaves_the_fit(tmp_path, parts, cast):
     carried_out(tmp_path, parts[:1], [cast.Copyist()])
     entry = Store(tmp_path / "out").entry("one", "copyist", 0)
     (entry.folder / "figures.json").unlink()
     plan = Plan(Store(tmp_path / "out"), parts[:1], [cast.Copyist()], 1, 500, "cpu", ORIGIN)
-    note_death(plan.jobs()[0])
+    plan.jobs()[0].note_failure(failure(FitError("It died.")))
     assert entry.fit["status"] == "done"
-    assert "died" in entry.error
+    assert entry.error == "It died."
     carried_out(tmp_path, parts[:1], [cast.Copyist()], retry=True)
     assert not entry.error
     assert len(calls(tmp_path)) == 1

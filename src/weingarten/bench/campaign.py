@@ -1,20 +1,20 @@
 """A benchmark from beginning to end: every fit made, every mesh judged, everything tabulated."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from weingarten.atomic import replacing
 from weingarten.bench.rendering import markdown
 from weingarten.bench.results import Result, results, write_results
-from weingarten.bench.runner import Plan, Watcher, Workers, run
+from weingarten.bench.runner import Plan, run
 from weingarten.bench.store import Store
 from weingarten.bench.table import Table, tables
+from weingarten.many.runner import Crowd, Watcher
 
 
 def carry_out(
     plan: Plan,
     watcher: Watcher,
-    setup: Callable[[], None],
+    crowd: Crowd,
     baseline: str | None = None,
     retry: bool = False,
     together: int = 1,
@@ -22,14 +22,14 @@ def carry_out(
     """Make what is not made yet and write results.csv, results.json and tables.md; the tables.
 
     What is written holds every fit of the folder, those of other shards and earlier benchmarks too, and is
-    written even when the fits are interrupted. setup: called first in the process that fits. baseline: who
+    written even when the fits are interrupted. crowd: who makes them, within its `working()`. baseline: who
     is compared with. retry, together: as in `runner.run`.
 
     Raises OptionError where the folder holds other fits.
     """
     jobs = plan.jobs()
     try:
-        run(jobs, watcher, retry, Workers(setup), together)
+        run(jobs, watcher, retry, crowd, together)
     finally:
         made = tabulate(plan.store, baseline)
     return made

@@ -4,8 +4,6 @@ A contender sees points alone. The one exception says so in its name: the oracle
 know when to stop, as the paper's tables were made (method §2).
 """
 
-import csv
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,12 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from weingarten.bench.poisson import NEIGHBOURS, SCREENING, screened_poisson, solver
-from weingarten.errors import CheckpointError
-from weingarten.fit.run_folder import RunFolder
 from weingarten.io.mesh import write_mesh
-from weingarten.io.reading import reading
+from weingarten.many.going_on import gone_on
 from weingarten.mesh import Mesh
-from weingarten.reconstruction import Result, reconstruct
+from weingarten.reconstruction import Result
 from weingarten.scan.sampling import Points
 from weingarten.settings import Settings
 from weingarten.together import reconstruct_many
@@ -100,14 +96,9 @@ class Neural(Contender):
 
     def make(self, scan: Scan) -> Made:
         """See Contender. Goes on from the folder's checkpoint where there is one of the same fit."""
-        folder = RunFolder(scan.folder)
-        if not folder.checkpoint.exists():
-            return self.made(self.fitted(scan, resume=False), 0.0)
-        earlier = seconds_of(folder.curve)
-        try:
-            return self.made(self.fitted(scan, resume=True), earlier)
-        except CheckpointError:
-            return self.made(self.fitted(scan, resume=False), 0.0)
+        settings = replace(self.settings, seed=scan.seed)
+        result, earlier = gone_on(scan.points, settings, scan.device, scan.folder, scan.truth)
+        return Made(result.summary.notes, result.summary.seconds, earlier)
 
     def make_all(self, scans: Sequence[Scan]) -> list[Made | Exception]:
         """See Contender. Many are fitted as one ensemble, which cannot be resumed; an oracle's are not."""
@@ -125,21 +116,6 @@ class Neural(Contender):
         """A result of an ensemble: its mesh goes to the folder, its field to whoever judges."""
         write_mesh(scan.folder / "mesh.ply", result.mesh)
         return Made(result.summary.notes, result.summary.seconds, field=result.field)
-
-    def fitted(self, scan: Scan, resume: bool) -> Result:
-        """The reconstruction."""
-        return reconstruct(
-            scan.points,
-            replace(self.settings, seed=scan.seed),
-            device=scan.device,
-            run_folder=scan.folder,
-            resume=resume,
-            truth=scan.truth,
-        )
-
-    def made(self, result: Result, earlier: float) -> Made:
-        """What is to be said of a result."""
-        return Made(result.summary.notes, result.summary.seconds, earlier)
 
 
 @dataclass(frozen=True)
@@ -170,14 +146,3 @@ def attempt(make: Callable[[Scan], Made], scan: Scan) -> Made | Exception:
         return make(scan)
     except Exception as error:
         return error
-
-
-def seconds_of(curve: Path) -> float:
-    """Of all steps that a loss curve holds; 0 without one."""
-    if not curve.is_file():
-        return 0.0
-    with (
-        reading(curve, kind="a loss curve", remedy="delete it, and it is made again"),
-        curve.open(newline="", encoding="utf-8") as stream,
-    ):
-        return math.fsum(float(row["seconds"]) for row in csv.DictReader(stream) if row.get("seconds"))

@@ -2,28 +2,31 @@
 
 import hashlib
 import time
-import traceback
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import psutil
 
 from weingarten.bench.contender import Contender, Made, Scan
 from weingarten.bench.parts import Part
-from weingarten.bench.store import Entry, Store, make_folder
+from weingarten.bench.store import Entry, Store
 from weingarten.device import chosen_device
-from weingarten.errors import WeingartenError
 from weingarten.fit.run_folder import opened
+from weingarten.many import job as many
+from weingarten.many.job import DONE, FAILED, failure, files_in
+from weingarten.many.records import make_folder
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import EXACT, FIELD, PUBLISHED
+from weingarten.report.provenance import machine_here
 from weingarten.world_field import WorldField
 
-DONE, FAILED = "done", "failed"
+__all__ = ["DONE", "FAILED", "Job"]
 
 
 @dataclass(frozen=True)
-class Job:
+class Job(many.Job):
     """One contender on one part with one seed. points: of the scan, where the part has no cloud of its own.
 
     origin: where it is done, for the record: machine, version, commit, date.
@@ -59,6 +62,60 @@ class Job:
         """What is noted of the fit, whatever becomes of it."""
         where = {"truth": str(self.part.truth.resolve()), "device": self.device}
         return {**self.identity, **where, **self.origin}
+
+    @property
+    def name(self) -> str:
+        """See many.Job."""
+        return f"{self.part.name}, {self.contender.name}, seed {self.seed}"
+
+    @property
+    def kind(self) -> str:
+        """See many.Job: the contender."""
+        return self.contender.name
+
+    @property
+    def root(self) -> Path:
+        """See many.Job."""
+        return self.store.path
+
+    @property
+    def folder(self) -> Path:
+        """See many.Job."""
+        return self.entry.folder
+
+    @property
+    def error(self) -> str:
+        """See many.Job."""
+        return self.entry.error
+
+    @classmethod
+    def perform(cls, batch: Sequence["Job"]) -> None:
+        """See many.Job."""
+        perform(batch)
+
+    def note_failure(self, failed: dict[str, Any]) -> None:
+        """See many.Job. A mesh that was made stays."""
+        make_folder(self.folder)
+        if self.entry.fit.get("status") != DONE:
+            self.entry.write_fit(self.record | failed)
+        elif not judged(self):
+            self.entry.write_figures(failed)
+
+    def sources(self) -> list[Path]:
+        """See many.Job."""
+        return [self.part.truth, *([] if self.part.cloud is None else [self.part.cloud])]
+
+    def kept(self) -> list[Path]:
+        """See many.Job: its folder, and what its part's other fits have left for it."""
+        shared = (self.store.scan_path(self.part, self.seed), self.store.truth_path(self.part.name))
+        return [*files_in(self.folder), *(path for path in shared if path.exists())]
+
+    def moved(self, root: Path, sources: Path) -> "Job":
+        """See many.Job. The record still says where the truth was, and says which machine it is done by."""
+        cloud = None if self.part.cloud is None else sources / self.part.cloud.name
+        part = replace(self.part, truth=sources / self.part.truth.name, cloud=cloud)
+        origin = {**self.origin, "truth": self.record["truth"], "machine": machine_here()}
+        return replace(self, store=Store(root), part=part, origin=origin)
 
 
 def perform(jobs: Sequence[Job]) -> None:
@@ -172,11 +229,3 @@ def figures(job: Job, field: WorldField | None) -> dict[str, Any]:
 def fingerprint(part: Part) -> str:
     """Of the truth's file."""
     return hashlib.sha256(part.truth.read_bytes()).hexdigest()
-
-
-def failure(error: Exception) -> dict[str, Any]:
-    """What is noted of a fit that failed: the sentence, and where it was raised unless a user can mend it."""
-    if isinstance(error, WeingartenError):
-        return {"status": FAILED, "error": str(error)}
-    trace = "".join(traceback.format_exception(error))
-    return {"status": FAILED, "error": f"{type(error).__name__}: {error}", "traceback": trace}

@@ -9,7 +9,6 @@
 Whatever has its file is done and is never made again.
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +17,9 @@ import numpy as np
 
 from weingarten.atomic import replacing
 from weingarten.bench.parts import Part
-from weingarten.errors import OutputError
 from weingarten.io.mesh import read_mesh
 from weingarten.io.points import read_points
-from weingarten.io.reading import check_readable, reading
+from weingarten.many.records import make_folder, read, write
 from weingarten.mesh import Mesh
 from weingarten.scan.sampling import Points
 
@@ -91,7 +89,7 @@ class Store:
 
     def scan(self, part: Part, count: int, seed: int) -> Points:
         """The points that all contenders get, world frame; kept the first time."""
-        path = self.path / "clouds" / part.name / f"seed{seed}.npy"
+        path = self.scan_path(part, seed)
         if path.exists():
             return read_points(path)
         points = part.scan(count, seed)
@@ -100,38 +98,20 @@ class Store:
             np.save(stream, points, allow_pickle=False)
         return points
 
+    def scan_path(self, part: Part, seed: int) -> Path:
+        """Where the points that all contenders get are kept."""
+        return self.path / "clouds" / part.name / f"seed{seed}.npy"
+
+    def truth_path(self, part: str) -> Path:
+        """Where it is kept what is known of a part's truth."""
+        return self.path / "truths" / f"{part}.json"
+
     def truth(self, part: str) -> dict[str, Any]:
         """What is known of a part's truth; empty while nothing is."""
-        return read(self.path / "truths" / f"{part}.json")
+        return read(self.truth_path(part))
 
     def write_truth(self, part: str, values: dict[str, Any]) -> None:
         """Note what is known of a truth."""
-        make_folder(self.path / "truths")
-        write(self.path / "truths" / f"{part}.json", values)
-
-
-def make_folder(path: Path) -> None:
-    """Raise OutputError where it cannot be made."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"The folder {path} cannot be made: {error.strerror}.") from error
-
-
-def read(path: Path) -> dict[str, Any]:
-    """A JSON object; empty where there is no file. Raises InputError for anything else."""
-    if not path.exists():
-        return {}
-    check_readable(path, [".json"])
-    with reading(path, remedy="delete it, and it is made again"):
-        values = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(values, dict):
-            raise ValueError("it holds no object")
-        return values
-
-
-def write(path: Path, values: dict[str, Any]) -> None:
-    """Write a JSON object, whole or not at all. ValueError for NaN and infinities."""
-    text = json.dumps(values, indent=1, allow_nan=False)
-    with replacing(path) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
+        path = self.truth_path(part)
+        make_folder(path.parent)
+        write(path, values)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from weingarten.cli.crowd import add_options as add_crowd
+from weingarten.cli.crowd import crowd_of
 from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError
 
@@ -43,6 +45,7 @@ def add_fitting(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--retry", action="store_true", help="try again what failed before")
     verb.add_argument("--oracle", action="store_true", help="stop early by the truth, as the paper does")
     verb.add_argument("--quiet", action="store_true", help="no progress")
+    add_crowd(verb, alone=True)
 
 
 def budget(arguments: argparse.Namespace, method: str | None = None, sharp: bool | None = None) -> "Settings":
@@ -70,8 +73,6 @@ def carried_out(
     from weingarten.bench.parts import parts_in
     from weingarten.bench.runner import Plan
     from weingarten.bench.store import Store
-    from weingarten.cli.memory import keep_freed_memory
-    from weingarten.device import chosen_device
     from weingarten.report.provenance import origin
 
     for name, value, most in (
@@ -81,18 +82,20 @@ def carried_out(
     ):
         if not 1 <= value <= most:
             raise OptionError(f"{name} must be between 1 and {most:,}; got {value}.")
-    plan = Plan(
-        Store(out),
-        parts_in(data, names(arguments.parts)),
-        contenders,
-        arguments.seeds,
-        arguments.points,
-        str(chosen_device(arguments.device)),
-        origin(),
-        share(arguments.shard),
-    )
-    with watching(arguments.quiet) as watcher:
-        return carry_out(plan, watcher, keep_freed_memory, baseline, arguments.retry, arguments.together)
+    parts, part = parts_in(data, names(arguments.parts)), share(arguments.shard)
+    crowd = crowd_of(arguments, alone=True)
+    with crowd.working(), watching(arguments.quiet) as watcher:
+        plan = Plan(
+            Store(out),
+            parts,
+            contenders,
+            arguments.seeds,
+            arguments.points,
+            crowd.device(arguments.device),
+            origin(crowd.threads.count),
+            part,
+        )
+        return carry_out(plan, watcher, crowd, baseline, arguments.retry, arguments.together)
 
 
 def watching(quiet: bool):

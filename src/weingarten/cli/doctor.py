@@ -10,6 +10,7 @@ from platform import platform, python_version
 EXTRAS = {
     "3mf": ("lxml", "networkx"),
     "bench": ("gpytoolbox",),
+    "ray": ("ray",),
     "report": ("jinja2", "matplotlib", "fast_simplification"),
 }
 """Optional parts and the modules they need."""

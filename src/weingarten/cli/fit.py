@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from weingarten.cli import fit_folder
 from weingarten.cli.importing import importing
 from weingarten.cli.mesh import TRIM_HELP
 from weingarten.cli.switch import SWITCH
@@ -13,11 +14,14 @@ from weingarten.errors import OptionError, OutputError
 
 if TYPE_CHECKING:
     from weingarten.reconstruction import Result
+    from weingarten.settings import Settings
 
 INTERRUPTED = 130
 EXAMPLE = """\
 clouds: .ply .xyz .txt .csv .obj .stl .npy .npz .pcd        meshes: .stl .ply .obj .glb .3mf
-Lengths are in the cloud's unit; the mesh comes back in the cloud's coordinates."""
+Lengths are in the cloud's unit; the mesh comes back in the cloud's coordinates.
+
+"""
 
 
 def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
@@ -27,10 +31,12 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         help="fit a part to a cloud and write its mesh",
         description="Fit a signed distance field to unoriented points and write its surface.",
         formatter_class=formatter,
-        epilog=EXAMPLE,
+        epilog=EXAMPLE + fit_folder.EXAMPLE,
     )
-    verb.add_argument("cloud", metavar="CLOUD", type=Path, help="points to fit; normals are ignored")
-    verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
+    verb.add_argument("cloud", metavar="CLOUD", type=Path, help="points to fit; or a folder of clouds")
+    verb.add_argument(
+        "-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write; or folder"
+    )
     verb.add_argument("--preset", default="standard", metavar="NAME", help="standard, fine or paper")
     verb.add_argument("--method", metavar="NAME", help=METHOD_HELP)
     verb.add_argument("--schedule", metavar="NAME", help=SCHEDULE_HELP)
@@ -64,6 +70,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
     verb.add_argument("--quiet", action="store_true", help="no progress")
+    fit_folder.add(verb)
     verb.set_defaults(run=run)
 
 
@@ -79,6 +86,11 @@ SCHEDULE_HELP = (
 
 def run(arguments: argparse.Namespace) -> int:
     """Fit and write. Raises a WeingartenError that names the option or file at fault."""
+    if arguments.cloud.is_dir():
+        with importing():
+            import weingarten.many.cloud_fit  # noqa: F401
+        return fit_folder.run(arguments, settings_of(arguments))
+    fit_folder.refuse_options(arguments)
     if arguments.resume and arguments.folder is None:
         raise OptionError("--resume needs --run DIR, the folder of the fit to go on with.")
     with importing():
@@ -92,24 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.io.points import read_points
         from weingarten.reconstruction import reconstruct
         from weingarten.report.picture import check_picture_path, write_picture
-        from weingarten.schedules.schedule import parse_knots
-        from weingarten.settings import resolve
 
-    settings = resolve(
-        preset=arguments.preset,
-        method=arguments.method,
-        schedule=arguments.schedule,
-        knots=None if arguments.knots is None else parse_knots(arguments.knots),
-        term=arguments.term,
-        stencil=None if arguments.stencil is None else parse_knots(arguments.stencil),
-        seed=arguments.seed,
-        steps=arguments.steps,
-        points=arguments.points_per_step,
-        resolution=arguments.resolution,
-        sharp=SWITCH.get(arguments.sharp),
-        trim=arguments.trim_distance,
-        rate=arguments.rate,
-    )
+    settings = settings_of(arguments)
     chosen_device(arguments.device)
     check_mesh_path(arguments.output)
     if arguments.picture is not None:
@@ -163,6 +159,28 @@ def resuming(folder: Path, arguments: argparse.Namespace) -> str:
     """The command that goes on with the fit kept in `folder`."""
     return (
         f"weingarten fit {arguments.cloud} -o {arguments.output} --run {folder} --resume{repeated(arguments)}"
+    )
+
+
+def settings_of(arguments: argparse.Namespace) -> "Settings":
+    """The preset's with what is to differ from them. Raises OptionError."""
+    from weingarten.schedules.schedule import parse_knots
+    from weingarten.settings import resolve
+
+    return resolve(
+        preset=arguments.preset,
+        method=arguments.method,
+        schedule=arguments.schedule,
+        knots=None if arguments.knots is None else parse_knots(arguments.knots),
+        term=arguments.term,
+        stencil=None if arguments.stencil is None else parse_knots(arguments.stencil),
+        seed=arguments.seed,
+        steps=arguments.steps,
+        points=arguments.points_per_step,
+        resolution=arguments.resolution,
+        sharp=SWITCH.get(arguments.sharp),
+        trim=arguments.trim_distance,
+        rate=arguments.rate,
     )
 
 

@@ -47,8 +47,8 @@ def add(made, formatter: type[argparse.HelpFormatter]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Draw them. Raises a WeingartenError that names the option or file at fault."""
     with importing():
-        from weingarten.bench.store import make_folder
         from weingarten.cli.memory import keep_freed_memory
+        from weingarten.many.records import make_folder
         from weingarten.reproduce.figure_regimes import figure_regimes
         from weingarten.reproduce.figure_schedules import FIGURE_4, figure_schedules
 

@@ -1,22 +1,22 @@
-"""What a person sees while a benchmark runs: which fit, how far, and when all will be done.
+"""What a person sees while many fits are made: which one, how far, and when all will be done.
 
 Everything goes to the standard error, so that the standard output holds results alone.
 """
 
 import sys
 import time
-from collections.abc import Callable, Sequence
-from typing import Self
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
 
-from weingarten.bench.job import Job
-from weingarten.bench.runner import Watcher
 from weingarten.cli.progress import duration
+from weingarten.many.runner import Batch, Watcher
 
 
 class Quiet(Watcher):
     """Says nothing."""
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Quiet":
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -28,9 +28,12 @@ class Lines(Quiet):
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.clock = clock
-        self.waiting: Sequence[Job] = ()
-        self.taken: dict[str, list[float]] = {}
-        self.ended = 0
+        self.waiting: Batch = ()
+        self.ended: Counter[str] = Counter()
+        self.taken: dict[str, float] = {}
+        self.begun: dict[Path, float] = {}
+        self.most = 1
+        self.left: Counter[str] = Counter()
 
     def say(self, text: str) -> None:
         """One line that stays."""
@@ -40,46 +43,59 @@ class Lines(Quiet):
     def show(self, text: str) -> None:
         """What passes: nothing here."""
 
-    def plan(self, jobs: Sequence[Job], waiting: Sequence[Job]) -> None:
+    def plan(self, jobs: Batch, waiting: Batch) -> None:
         """See Watcher."""
         self.waiting = waiting
+        self.left = Counter(job.kind for job in waiting)
         self.say(f"{len(jobs)} fits, {len(jobs) - len(waiting)} of them done before.")
 
-    def begin(self, batch: Sequence[Job]) -> None:
+    def note(self, text: str) -> None:
         """See Watcher."""
-        self.started = self.clock()
-        self.show(f"{self.position(batch)} …")
+        self.say(f"Note: {text}")
 
-    def look(self, batch: Sequence[Job], step: int | None) -> None:
+    def begin(self, batch: Batch) -> None:
+        """See Watcher."""
+        self.begun[batch[0].folder] = self.clock()
+        self.most = max(self.most, len(self.begun))
+        self.show(f"{self.position(batch)} …{self.beside()}")
+
+    def look(self, batch: Batch, step: int | None) -> None:
         """See Watcher."""
         far = "" if step is None else f", step {step + 1}"
-        self.show(f"{self.position(batch)}{far}, {duration(self.clock() - self.started)}{self.left()}")
+        taken = duration(self.clock() - self.begun[batch[0].folder])
+        self.show(f"{self.position(batch)}{far}, {taken}{self.beside()}{self.remaining()}")
 
-    def end(self, batch: Sequence[Job]) -> None:
+    def end(self, batch: Batch) -> None:
         """See Watcher."""
-        each = (self.clock() - self.started) / len(batch)
+        each = (self.clock() - self.begun.pop(batch[0].folder)) / len(batch)
         for job in batch:
             at = self.position([job])
-            self.ended += 1
-            self.taken.setdefault(job.contender.name, []).append(each)
-            error = job.entry.error
-            self.say(f"{at}: {f'failed: {error}' if error else 'done'}{self.left()}")
+            self.left[job.kind] -= 1
+            self.ended[job.kind] += 1
+            self.taken[job.kind] = self.taken.get(job.kind, 0.0) + each
+            error = job.error
+            self.say(f"{at}: {f'failed: {error}' if error else 'done'}{self.remaining()}")
 
-    def position(self, batch: Sequence[Job]) -> str:
+    def position(self, batch: Batch) -> str:
         """Which of how many, and which it is."""
-        first, more = batch[0], f" and {len(batch) - 1} more parts" if len(batch) > 1 else ""
-        number = f"[{self.ended + 1}/{len(self.waiting)}]"
-        return f"{number} {first.part.name}{more}, {first.contender.name}, seed {first.seed}"
+        more = f" and {len(batch) - 1} more parts" if len(batch) > 1 else ""
+        return f"[{self.ended.total() + 1}/{len(self.waiting)}] {batch[0].name}{more}"
 
-    def left(self) -> str:
-        """Until all fits are done: each takes what its contender's have taken so far, or the mean of all."""
-        every = [seconds for own in self.taken.values() for seconds in own]
-        if not every or self.ended == len(self.waiting):
+    def beside(self) -> str:
+        """How many others are under way."""
+        return f", {len(self.begun) - 1} more at once" if len(self.begun) > 1 else ""
+
+    def remaining(self) -> str:
+        """Until all fits are done: each takes what its kind has taken so far, or the mean of all.
+
+        As many go on at once as ever did.
+        """
+        if not self.ended or not self.left.total():
             return ""
-        mean = sum(every) / len(every)
-        means = {name: sum(own) / len(own) for name, own in self.taken.items()}
-        seconds = sum(means.get(job.contender.name, mean) for job in self.waiting[self.ended :])
-        return f"; {duration(seconds)} left for all"
+        mean = sum(self.taken.values()) / self.ended.total()
+        means = {kind: self.taken[kind] / count for kind, count in self.ended.items()}
+        seconds = sum(count * means.get(kind, mean) for kind, count in self.left.items())
+        return f"; {duration(seconds / self.most)} left for all"
 
 
 class Status(Lines):
@@ -92,7 +108,7 @@ class Status(Lines):
         self.console = Console(stderr=True)
         self.status = self.console.status("")
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Quiet":
         self.status.start()
         return self
 

@@ -51,9 +51,14 @@ def picture(
 
 def check_picture_path(path: Path) -> None:
     """Raise OutputError unless a picture can be written to `path`."""
+    check_picture_format(path)
+    check_writable(path)
+
+
+def check_picture_format(path: Path) -> None:
+    """Raise OutputError unless the extension is a picture's."""
     if path.suffix.lower() not in FORMATS:
         raise OutputError(f"{path} names no picture format; end it in one of {', '.join(FORMATS)}.")
-    check_writable(path)
 
 
 def write_picture(path: Path, points: Points, mesh: Mesh, names: tuple[str, str] = ("Scan", "Mesh")) -> None:

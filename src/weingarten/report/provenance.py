@@ -9,11 +9,26 @@ from importlib.metadata import version
 from pathlib import Path
 
 
-def machine() -> str:
-    """Processor, cores, threads, GPU and versions, as a fresh process of this Python sees them."""
+def machine(count: int | None = None) -> str:
+    """Processor, cores, threads, GPU and versions, as a fresh process of this Python sees them.
+
+    count: of threads, where they are said to each process.
+    """
     code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
     torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
-    gpu = ", CUDA" if cuda == "True" else ", no GPU"
+    return described(torch, threads if count is None else str(count), cuda == "True")
+
+
+def machine_here() -> str:
+    """The same of this very process, which has to have taken its threads."""
+    import torch
+
+    return described(torch.__version__, str(torch.get_num_threads()), torch.cuda.is_available())
+
+
+def described(torch: str, threads: str, cuda: bool) -> str:
+    """Processor, cores, and what is given."""
+    gpu = ", CUDA" if cuda else ", no GPU"
     python, plural = platform.python_version(), "" if threads == "1" else "s"
     cores = f"{os.cpu_count()} cores, {threads} thread{plural}"
     return f"{processor()}, {cores}{gpu}, torch {torch}, Python {python}"
@@ -43,15 +58,18 @@ def said(command: list[str]) -> str:
     return subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
 
 
-def origin() -> dict[str, str]:
-    """Version, commit, machine and date, for a record. The commit is that of the package's own checkout."""
+def origin(threads: int | None = None) -> dict[str, str]:
+    """Version, commit, machine and date, for a record. The commit is that of the package's own checkout.
+
+    threads: as in `machine`.
+    """
     package = Path(__file__).resolve().parent.parent
     root = package.parent.parent
     own = (root / "pyproject.toml").exists() and package.parent.name == "src"
     return {
         "version": version("weingarten"),
         "commit": commit(root) if own else "unknown",
-        "machine": machine(),
+        "machine": machine(threads),
         "date": str(today()),
     }
 
