@@ -48,8 +48,8 @@ def fitted(number: int, folder: Path) -> Row:
     return number, round(seconds, 3), round(resident, 2), threading.active_count(), process.num_fds()
 
 
-def page(rows: list[Row]) -> str:
-    """The figures in words."""
+def page(rows: list[Row], source: str) -> str:
+    """The figures in words. source: the commit that was run."""
     table = np.array(rows, dtype=np.float64)
     warm = table[int(WARM_UP * len(table)) :]
     fits, resident = warm[:, 0], warm[:, 2]
@@ -67,7 +67,7 @@ def page(rows: list[Row]) -> str:
     lines = [
         "# Many fits in one process",
         "",
-        f"`{shlex.join(['python', *sys.argv])}`, {today()}, commit {commit(ROOT)}, {machine()}.",
+        f"`{shlex.join(['python', *sys.argv])}`, {today()}, commit {source}, {machine()}.",
         "",
         f"{len(rows)} fits of the bundled flange, 1,500 points, 30 steps, resolution 32, "
         f"{np.median(table[:, 1]):.1f} s each. After the first {len(rows) - len(warm)}:",
@@ -88,13 +88,15 @@ def main() -> None:
     parser.add_argument("--fits", type=int, default=200)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "results" / "soak.md")
     arguments = parser.parse_args()
+    # what runs is what is there now, whatever is checked out before the last fit
+    source = commit(ROOT)
     with tempfile.TemporaryDirectory() as folder:
         rows = [fitted(number, Path(folder)) for number in range(arguments.fits)]
     table = arguments.output.with_suffix(".csv")
     with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *rows])
     with replacing(arguments.output) as temporary:
-        temporary.write_text(page(rows), encoding="utf-8")
+        temporary.write_text(page(rows, source), encoding="utf-8")
 
 
 if __name__ == "__main__":

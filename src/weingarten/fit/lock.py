@@ -47,8 +47,8 @@ def locked(path: Path) -> int:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK, 0o666)
         try:
             flock(handle, LOCK_EX | LOCK_NB)
-            # the last holder may have removed the file between the two calls
-            if path.exists() and os.path.samestat(os.fstat(handle), path.stat()):
+            # without a name it is the last holder's, who removed it between the two calls
+            if os.fstat(handle).st_nlink > 0:
                 return handle
         except OSError as error:
             if error.errno in LOCKLESS:
