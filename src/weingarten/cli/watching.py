@@ -6,7 +6,6 @@ Everything goes to the standard error, so that the standard output holds results
 import sys
 import time
 from collections.abc import Callable, Sequence
-from typing import Self
 
 from weingarten.bench.job import Job
 from weingarten.bench.runner import Watcher
@@ -16,7 +15,7 @@ from weingarten.cli.progress import duration
 class Quiet(Watcher):
     """Says nothing."""
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Quiet":
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -92,7 +91,7 @@ class Status(Lines):
         self.console = Console(stderr=True)
         self.status = self.console.status("")
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "Status":
         self.status.start()
         return self
 
