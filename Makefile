@@ -10,7 +10,7 @@ INSTALLED := $(VENV)/.installed
 DEVELOPING := $(VENV)/.developing
 
 .DEFAULT_GOAL := help
-.PHONY: help install extras demo test lint tree bench clean
+.PHONY: help install extras demo test lint tree docs bench clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,11 +39,14 @@ lint: $(DEVELOPING) ## style, types, and whether README.md lists the files there
 tree: $(DEVELOPING) ## write the file tree in README.md anew, from the modules' docstrings
 	@$(BIN)/python docs/file_tree.py
 
+docs: $(DEVELOPING) ## the documentation, in site/; open site/index.html
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+
 bench: $(INSTALLED) ## seconds, memory and time to quality, as one page: results/performance.md
 	@$(BIN)/python benchmarks -o results/performance.md
 
 clean: ## remove what was made, but not .venv
-	@rm -rf demo build dist .pytest_cache .ruff_cache .hypothesis
+	@rm -rf demo build dist site .pytest_cache .ruff_cache .hypothesis
 	@find src tests benchmarks runs docs -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
