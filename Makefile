@@ -10,7 +10,7 @@ INSTALLED := $(VENV)/.installed
 DEVELOPING := $(VENV)/.developing
 
 .DEFAULT_GOAL := help
-.PHONY: help install extras demo test cluster lint tree bench clean
+.PHONY: help install extras demo test cluster lint tree docs bench wheel bare clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -43,11 +43,23 @@ lint: $(DEVELOPING) ## style, types, and whether README.md lists the files there
 tree: $(DEVELOPING) ## write the file tree in README.md anew, from the modules' docstrings
 	@$(BIN)/python docs/file_tree.py
 
+docs: $(DEVELOPING) ## the documentation, in site/; open site/index.html
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+
 bench: $(INSTALLED) ## seconds, memory and time to quality, as one page: results/performance.md
 	@$(BIN)/python benchmarks -o results/performance.md
 
+wheel: $(DEVELOPING) ## the source archive and the wheel, in dist/, and a trial of the wheel without extras
+	@rm -rf build dist && $(BIN)/python -m build --no-isolation >/dev/null
+	@$(BIN)/python -m pytest tests/packaging
+
+bare: wheel ## the same trial in build/bare, where nothing is but the wheel and what it requires
+	@$(PYTHON) -m venv build/bare
+	@build/bare/bin/python -m pip install -qq --disable-pip-version-check -c constraints.txt dist/*.whl
+	@$(BIN)/python -m pytest tests/packaging/test_wheel.py --installed build/bare/bin/python
+
 clean: ## remove what was made, but not .venv
-	@rm -rf demo build dist .pytest_cache .ruff_cache .hypothesis
+	@rm -rf demo build dist site .pytest_cache .ruff_cache .hypothesis
 	@find src tests benchmarks runs docs -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:

@@ -22,8 +22,12 @@ settings.load_profile("steady")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """`--regenerate-golden` writes the loss curves of tests/fit/golden anew instead of comparing."""
+    """`--regenerate-golden` writes the loss curves of tests/fit/golden anew instead of comparing.
+
+    `--installed` says where tests/packaging finds the wheel, instead of making an environment for it.
+    """
     parser.addoption("--regenerate-golden", action="store_true", help="write tests/fit/golden/*.json anew")
+    parser.addoption("--installed", metavar="PYTHON", help="interpreter that the wheel is installed for")
 
 
 @pytest.fixture

@@ -108,7 +108,7 @@ class Status(Lines):
         self.console = Console(stderr=True)
         self.status = self.console.status("")
 
-    def __enter__(self) -> "Quiet":
+    def __enter__(self) -> "Status":
         self.status.start()
         return self
 
