@@ -55,6 +55,11 @@ class Summary:
         return asdict(self) | {"notes": list(self.notes), "doubts": list(self.doubts)}
 
 
+def probed(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m 3"]:
+    """The points that distances are taken from."""
+    return points[:: max(1, -(-len(points) // MOST_POINTS))]
+
+
 def summarise(
     points: Float64[np.ndarray, "n 3"],
     mesh: Mesh,
@@ -70,7 +75,7 @@ def summarise(
 
     noise: mean distance of the points from their surface, in the same unit.
     """
-    probe = points[:: max(1, -(-len(points) // MOST_POINTS))]
+    probe = probed(points)
     distance = closest(mesh, probe).distance
     covered = coverage(mesh, probe, distance, noise)
     shape = topology(mesh)

@@ -8,7 +8,7 @@ c r from all of them has probability exp(−8c²): 1e-14 at c = 2. So what is fa
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 from scipy.spatial import KDTree
 
 from weingarten.mesh import Mesh
@@ -28,6 +28,26 @@ SAMPLES = 20_000
 
 SHARE_GUESSED, SHARE_MISSED = 0.005, 0.01
 """Shares above which a person should look."""
+
+
+@dataclass(frozen=True)
+class Neighbourhood:
+    """What lies near the points of a cloud. spacing: r of every point. noise: as in `coverage`."""
+
+    tree: KDTree
+    spacing: Float64[np.ndarray, " n"]
+    noise: float
+
+    @classmethod
+    def of(cls, points: Points, noise: float) -> "Neighbourhood":
+        """That of all the points."""
+        tree = KDTree(points)
+        return cls(tree, np.asarray(tree.query(points, k=EIGHTH + 1, workers=-1)[0])[:, -1], noise)
+
+    def far(self, places: Float64[np.ndarray, "m 3"]) -> Bool[np.ndarray, " m"]:
+        """Which places are so far from all points that surface there is a guess."""
+        gap, nearest = self.tree.query(places, workers=-1)
+        return gap > GUESSED * self.spacing[nearest] + NOISE * self.noise
 
 
 @dataclass(frozen=True)
@@ -64,10 +84,8 @@ def coverage(
     off: the points' distances from the mesh. noise: mean distance of the points from their surface, in the
     same unit. seed: of the samples on the mesh. Raises InputError when no face has an area.
     """
-    tree = KDTree(points)
-    spacing = np.asarray(tree.query(points, k=EIGHTH + 1, workers=-1)[0])[:, -1]
-    gap, nearest = tree.query(sample_surface(mesh, SAMPLES, seed)[0], workers=-1)
+    near = Neighbourhood.of(points, noise)
     return Coverage(
-        guessed=float(np.mean(gap > GUESSED * spacing[nearest] + NOISE * noise)),
-        missed=float(np.mean(off > MISSED * spacing + NOISE * noise)),
+        guessed=float(np.mean(near.far(sample_surface(mesh, SAMPLES, seed)[0]))),
+        missed=float(np.mean(off > MISSED * near.spacing + NOISE * noise)),
     )

@@ -5,6 +5,7 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
@@ -13,10 +14,21 @@ def machine() -> str:
     """Processor, cores, threads, GPU and versions, as a fresh process of this Python sees them."""
     code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
     torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
-    gpu = ", CUDA" if cuda == "True" else ", no GPU"
-    python, plural = platform.python_version(), "" if threads == "1" else "s"
-    cores = f"{os.cpu_count()} cores, {threads} thread{plural}"
-    return f"{processor()}, {cores}{gpu}, torch {torch}, Python {python}"
+    return described(torch, int(threads), cuda == "True")
+
+
+def machine_here() -> str:
+    """The same as this process sees it, which has imported torch anyway."""
+    import torch
+
+    return described(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())
+
+
+def described(torch: str, threads: int, cuda: bool) -> str:
+    """A machine with that version of torch and so many threads, in words."""
+    cores = f"{os.cpu_count()} cores, {threads} thread{'' if threads == 1 else 's'}"
+    gpu, python = "CUDA" if cuda else "no GPU", platform.python_version()
+    return f"{processor()}, {cores}, {gpu}, torch {torch}, Python {python}"
 
 
 def processor() -> str:
@@ -43,7 +55,7 @@ def said(command: list[str]) -> str:
     return subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
 
 
-def origin() -> dict[str, str]:
+def origin(machine: Callable[[], str] = machine) -> dict[str, str]:
     """Version, commit, machine and date, for a record. The commit is that of the package's own checkout."""
     package = Path(__file__).resolve().parent.parent
     root = package.parent.parent
