@@ -2,8 +2,10 @@
 
 import argparse
 import json
+import shlex
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from weingarten.cli.importing import importing
@@ -12,7 +14,9 @@ from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError
 
 if TYPE_CHECKING:
+    from weingarten.fit.run_folder import RunFolder, SpareFolder
     from weingarten.reconstruction import Result
+    from weingarten.settings import Settings
 
 INTERRUPTED = 130
 EXAMPLE = """\
@@ -62,6 +66,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         "--oracle", metavar="TRUTH", help="stop early by distance to this mesh, as the paper does"
     )
     verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh")
+    verb.add_argument("--page", type=Path, metavar="HTML", help="write the page of `weingarten report` too")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
     verb.add_argument("--quiet", action="store_true", help="no progress")
     verb.set_defaults(run=run)
@@ -85,16 +90,54 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.cli.memory import keep_freed_memory
         from weingarten.cli.mesh_source import load
         from weingarten.cli.progress import progress
-        from weingarten.device import chosen_device
-        from weingarten.fit.run_folder import SpareFolder
-        from weingarten.io.mesh import check_mesh_path, write_mesh
+        from weingarten.io.mesh import write_mesh
         from weingarten.io.points import read_points
         from weingarten.reconstruction import reconstruct
-        from weingarten.report.picture import check_picture_path, write_picture
-        from weingarten.schedules.schedule import parse_knots
-        from weingarten.settings import resolve
+        from weingarten.report.picture import write_picture
 
-    settings = resolve(
+    settings = chosen(arguments)
+    check_places(arguments)
+    truth = None if arguments.oracle is None else load(arguments.oracle)
+    points = read_points(arguments.cloud)
+    keep_freed_memory()
+    keeper = keeper_for(arguments)
+    observer = progress(arguments.quiet)
+    with observer.listening():
+        result = reconstruct(
+            points,
+            settings,
+            device=arguments.device,
+            run_folder=keeper,
+            resume=arguments.resume,
+            truth=truth,
+            observer=observer,
+        )
+        notes = write_mesh(arguments.output, result.mesh)
+        for note in notes:
+            observer.note(note)
+    if arguments.picture is not None:
+        write_picture(arguments.picture, points, result.mesh)
+    if arguments.page is not None:
+        write_page(keeper, arguments.page)
+    if arguments.json:
+        sys.stdout.write(json.dumps(as_json(arguments.output, result)) + "\n")
+    elif not arguments.quiet:
+        sys.stderr.write("\n".join(sentences(arguments.output, result)) + "\n")
+    if result.finished:
+        return 0
+    sys.stderr.write(
+        f"Interrupted after step {result.summary.steps} of {result.summary.of_steps}; go on with:\n"
+    )
+    sys.stderr.write(f"  {command(arguments, '--run', keeper.path, '--resume')}\n")
+    return INTERRUPTED
+
+
+def chosen(arguments: argparse.Namespace) -> "Settings":
+    """The settings that are asked for. Raises OptionError."""
+    from weingarten.schedules.schedule import parse_knots
+    from weingarten.settings import resolve
+
+    return resolve(
         preset=arguments.preset,
         method=arguments.method,
         schedule=arguments.schedule,
@@ -109,44 +152,55 @@ def run(arguments: argparse.Namespace) -> int:
         trim=arguments.trim_distance,
         rate=arguments.rate,
     )
+
+
+def check_places(arguments: argparse.Namespace) -> None:
+    """Before the work begins: raise unless the device is there, and all that is to be written can be."""
+    from weingarten.device import chosen_device
+    from weingarten.io.mesh import check_mesh_path
+    from weingarten.report import extra
+    from weingarten.report.picture import check_picture_path
+    from weingarten.report.template import check_page_path
+
     chosen_device(arguments.device)
     check_mesh_path(arguments.output)
     if arguments.picture is not None:
         check_picture_path(arguments.picture)
-    truth = None if arguments.oracle is None else load(arguments.oracle)
-    points = read_points(arguments.cloud)
-    keep_freed_memory()
-    spare = arguments.output.with_suffix(".run")
-    observer = progress(arguments.quiet)
-    with observer.listening():
-        result = reconstruct(
-            points,
-            settings,
-            device=arguments.device,
-            run_folder=arguments.folder or SpareFolder(spare),
-            resume=arguments.resume,
-            truth=truth,
-            observer=observer,
-        )
-        notes = write_mesh(arguments.output, result.mesh)
-        for note in notes:
-            observer.note(note)
-    if arguments.picture is not None:
-        write_picture(arguments.picture, points, result.mesh)
-    if arguments.json:
-        sys.stdout.write(json.dumps(as_json(arguments.output, result)) + "\n")
-    elif not arguments.quiet:
-        sys.stderr.write("\n".join(sentences(arguments.output, result)) + "\n")
-    if result.finished:
-        return 0
-    again = (
-        f"weingarten fit {arguments.cloud} -o {arguments.output} --run {arguments.folder or spare} --resume"
-    )
-    sys.stderr.write(
-        f"Interrupted after step {result.summary.steps} of {result.summary.of_steps}; go on with:\n"
-    )
-    sys.stderr.write(f"  {again}{repeated(arguments)}\n")
-    return INTERRUPTED
+    if arguments.page is not None:
+        check_page_path(arguments.page)
+        extra.check()
+
+
+def keeper_for(arguments: argparse.Namespace) -> "RunFolder | SpareFolder":
+    """What keeps the fit, with the record of how it is made."""
+    from weingarten.device import chosen_device
+    from weingarten.fit.run_folder import RunFolder, SpareFolder
+    from weingarten.report.provenance import machine_here, origin
+
+    kept = () if arguments.folder is None else ("--run", arguments.folder)
+    made = {
+        "cloud": str(arguments.cloud),
+        "mesh": str(arguments.output),
+        "command": command(arguments, *kept),
+        "device": str(chosen_device(arguments.device)),
+        **origin(machine_here),
+    }
+    if arguments.folder is not None:
+        return RunFolder(arguments.folder, made)
+    return SpareFolder(arguments.output.with_suffix(".run"), made)
+
+
+def write_page(keeper: "RunFolder | SpareFolder", path: Path) -> None:
+    """Write the page about a fit that has come to its end. Raises OutputError."""
+    from weingarten.fit.run_folder import RunFolder
+    from weingarten.report.run.page import write_run_page
+
+    if isinstance(keeper, RunFolder):
+        write_run_page(keeper.path, path)
+        return
+    with TemporaryDirectory() as folder:
+        keeper.written(Path(folder))
+        write_run_page(Path(folder), path)
 
 
 def as_json(output: Path, result: "Result") -> dict[str, object]:
@@ -169,8 +223,14 @@ def sentences(output: Path, result: "Result") -> list[str]:
     ]
 
 
-def repeated(arguments: argparse.Namespace) -> str:
-    """The options that make the resumed fit the same fit."""
+def command(arguments: argparse.Namespace, *more: object) -> str:
+    """The command that makes the same fit, with more options, for a shell."""
+    words = ("weingarten", "fit", arguments.cloud, "-o", arguments.output, *more, *repeated(arguments))
+    return shlex.join(map(str, words))
+
+
+def repeated(arguments: argparse.Namespace) -> list[str]:
+    """The options that make another fit the same fit."""
     names = (
         "preset",
         "method",
@@ -186,7 +246,8 @@ def repeated(arguments: argparse.Namespace) -> str:
         "trim_distance",
         "seed",
         "oracle",
+        "device",
     )
     given = {name: getattr(arguments, name) for name in names}
-    given = {name: value for name, value in given.items() if value not in (None, "standard", 0)}
-    return "".join(f" --{name.replace('_', '-')} {value}" for name, value in given.items())
+    given = {name: value for name, value in given.items() if value not in (None, "standard", 0, "auto")}
+    return [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", str(value))]

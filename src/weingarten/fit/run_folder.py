@@ -1,4 +1,5 @@
-"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json.
+"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json,
+and made.json, the record of who made it how.
 
 A fit without a folder uses `NoFolder`, so that nothing asks whether there is one.
 """
@@ -23,6 +24,9 @@ from weingarten.mesh import Mesh
 from weingarten.summary import Summary
 
 Points = Float64[np.ndarray, "n 3"]
+
+PRIMITIVES = "primitives.json"
+RESULTS = ("mesh.ply", "summary.json", PRIMITIVES, "made.json")
 
 
 @runtime_checkable
@@ -71,10 +75,13 @@ class NoFolder:
 
 
 class RunFolder:
-    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be."""
+    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    made: a record of the command, the machine and so on, if there is one.
+    """
+
+    def __init__(self, path: Path, made: dict[str, str] | None = None) -> None:
+        self.path, self.made = path, made
         self.rows: list[list[str]] = []
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -101,9 +108,17 @@ class RunFolder:
         return self.path / "loss.csv"
 
     def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
-        """Write what is known before the first step; keep the loss curve up to a resumed checkpoint."""
+        """Write what is known before the first step; keep the loss curve up to a resumed checkpoint.
+
+        What an earlier fit left in the folder is no longer of this one and goes.
+        """
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
+        for name in () if resumed is not None else RESULTS:
+            (self.path / name).unlink(missing_ok=True)
+        if self.made is not None:
+            with replacing(self.path / "made.json") as temporary:
+                temporary.write_text(json.dumps(self.made, indent=2) + "\n")
         if resumed is None or not self.cloud.exists():
             with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
                 np.save(stream, points, allow_pickle=False)
@@ -135,17 +150,18 @@ class RunFolder:
         checkpoint.save(self.checkpoint, loop, origin, tensors, extra)
 
     def finish(self, mesh: Mesh, summary: Summary) -> None:
-        """Write the mesh and the figures."""
+        """Write the mesh and the figures; what was measured on an earlier mesh goes."""
+        (self.path / PRIMITIVES).unlink(missing_ok=True)
         write_mesh(self.path / "mesh.ply", mesh)
         with replacing(self.path / "summary.json") as temporary:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")
 
 
 class SpareFolder(NoFolder):
-    """Becomes a run folder if the fit is interrupted, and nothing otherwise."""
+    """Becomes a run folder if the fit is interrupted, and nothing otherwise unless `written` is asked for."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, made: dict[str, str] | None = None) -> None:
+        self.path, self.made = path, made
         self.origin: Origin | None = None
         self.records: list[tuple[Record, float]] = []
 
@@ -163,14 +179,20 @@ class SpareFolder(NoFolder):
 
     def finish(self, mesh: Mesh, summary: Summary) -> None:
         """See Keeper."""
-        if summary.finished or self.origin is None:
+        self.result = mesh, summary
+        if not summary.finished:
+            self.written(self.path)
+
+    def written(self, path: Path) -> None:
+        """Write all of a fit that has come to its end, as a run folder."""
+        if self.origin is None:
             return
-        folder = RunFolder(self.path)
+        folder = RunFolder(path, self.made)
         folder.begin(self.origin, self.points, None)
         for record, seconds in self.records:
             folder.record(record, seconds)
         folder.save(self.loop, self.origin, *self.state)
-        folder.finish(mesh, summary)
+        folder.finish(*self.result)
 
 
 def opened(path: Path) -> tuple[Checkpoint, Points]:
