@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shlex
 import signal
 import sys
 import tomllib
@@ -14,7 +15,7 @@ from scipy.spatial import KDTree
 sys.path.insert(0, str(Path(__file__).parent))
 from command import SMALL, run, started, temporaries
 
-from weingarten.cli.main import main
+from weingarten.cli.main import main, parser
 from weingarten.io.cloud_file import write_cloud
 from weingarten.io.mesh import read_mesh
 from weingarten.io.points import read_points
@@ -35,7 +36,8 @@ def finished(cloud, tmp_path_factory) -> tuple[Path, str, str]:
     """A finished small fit: its folder, standard output and error."""
     folder = tmp_path_factory.mktemp("finished")
     code, out, err = run(
-        "fit", cloud, "-o", folder / "part.stl", "--run", folder / "run", "--json", "--steps", 60, *SMALL
+        *("fit", cloud, "-o", folder / "part.stl", "--run", folder / "run", "--json", "--steps", 60, *SMALL),
+        *("--page", folder / "page.html"),
     )
     assert code == 0, err
     return folder, out, err
@@ -66,6 +68,7 @@ def test_run_folder_holds_what_it_should(finished):
         "cloud.npy",
         "mesh.ply",
         "summary.json",
+        "made.json",
     }
     settings = tomllib.loads((folder / "config.toml").read_text())
     assert settings["steps"] == 60
@@ -79,6 +82,24 @@ def test_run_folder_holds_what_it_should(finished):
     assert float(first["loss"]) == pytest.approx(total, rel=1e-6)
     summary = json.loads((folder / "summary.json").read_text())
     assert 0 < summary["distance_mean"] <= summary["distance_p95"] <= summary["distance_max"]
+
+
+def test_the_record_holds_the_command_that_makes_it_again(finished, cloud):
+    folder, _, _ = finished
+    made = json.loads((folder / "run" / "made.json").read_text())
+    again = shlex.split(made["command"])
+    assert again[:2] == ["weingarten", "fit"]
+    options = parser().parse_args(again[1:])
+    assert (options.cloud, options.output, options.folder) == (cloud, folder / "part.stl", folder / "run")
+    assert (options.steps, options.points_per_step, options.resolution) == (60, 200, 48)
+    assert {"version", "commit", "machine", "date", "device"} < made.keys()
+
+
+def test_its_page_is_that_of_report(finished, capsys):
+    folder, _, _ = finished
+    assert main(["report", str(folder / "run"), "-o", str(folder / "again.html")]) == 0
+    assert capsys.readouterr().out.startswith(f"Wrote {folder / 'again.html'}: 60 steps, ")
+    assert (folder / "again.html").read_bytes() == (folder / "page.html").read_bytes()
 
 
 def test_same_input_and_seed_give_the_same_bytes(finished, cloud, tmp_path):

@@ -11,7 +11,12 @@ from weingarten.cli.main import main
     ("words", "said"),
     [
         (["nowhere"], "There is no folder"),
-        (["."], "no benchmark's folder"),
+        (
+            ["."],
+            "is not a benchmark’s folder, for it has no fits, nor a run’s folder, for it has no config.toml",
+        ),
+        (["run"], "cloud.npy cannot be read"),
+        (["run", "-o", "page.txt"], "end its name in .html"),
         (["begun"], "no finished fit"),
         (["begun", "-o", "page.pdf"], "end its name in .html"),
     ],
@@ -21,12 +26,15 @@ def test_mistakes_end_in_one_sentence(
 ):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "begun" / "fits" / "part" / "odw" / "seed0").mkdir(parents=True)
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "config.toml").write_text("steps = 5\n")
     assert main(["report", *words]) == 2
     err = capsys.readouterr().err
     assert err.startswith("weingarten report: ")
     assert said in err
     assert len(err.splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["begun"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["begun", "run"]
+    assert not list(tmp_path.rglob("*.html"))
 
 
 def test_a_place_that_cannot_be_written_is_said_before_the_work(tmp_path: Path, monkeypatch, capsys):

@@ -3,25 +3,19 @@
 Skipped where there is no chromium, but for CI=true: there it fails.
 """
 
-import io
-import os
-import shutil
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parent))
 import benchmark as tiny
+from seeing import brightness, drawn, pixels, saturation, shown
 
 from weingarten.report.page import Watcher, write_page
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 OF_THE_PICTURE = """
 () => {
   const one = document.querySelector("details.part:last-of-type .shot[data-mesh='3'][data-mode=error] img");
@@ -32,8 +26,6 @@ OF_THE_PICTURE = """
   return [...pen.getImageData(0, 0, canvas.width, canvas.height).data];
 }
 """
-BACKGROUND = (251, 251, 249)
-"""Of the page by day."""
 NO_WEBGL = """
 const context = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
@@ -43,40 +35,10 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    program = next((path for name in NAMES if (path := shutil.which(name))), None)
-    if program is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail("There is no chromium, which CI needs for these tests; .ci/run installs it.")
-        pytest.skip("There is no chromium.")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tiny.make(tmp_path_factory.mktemp("bench") / "tiny")
     write_page(folder, folder / "report.html", Watcher())
     return (folder / "report.html").as_uri()
-
-
-@pytest.fixture
-def page(browser: Browser, address: str) -> Iterator[Page]:
-    """The page, open; afterwards: nothing went wrong in it and nothing but the file was asked for."""
-    context = browser.new_context(viewport={"width": 1200, "height": 800}, offline=True)
-    page = context.new_page()
-    wrong: list[str] = []
-    asked: list[str] = []
-    page.on("console", lambda message: wrong.append(message.text) if message.type != "log" else None)
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(address)
-    yield page
-    context.close()
-    assert not [text for text in wrong if "GPU stall" not in text]
-    assert {url for url in asked if not url.startswith("data:")} == {address}
 
 
 def opened(page: Page, mode: str, name: str = tiny.SHIFTED, part_name: str = tiny.PARTS[0]) -> None:
@@ -87,33 +49,6 @@ def opened(page: Page, mode: str, name: str = tiny.SHIFTED, part_name: str = tin
     row = part.locator(".row", has=page.locator("h4", has_text=name))
     row.locator(f"button.shot[data-mode={mode}]").click()
     shown(page, mode)
-
-
-def shown(page: Page, mode: str, mesh: str = "") -> None:
-    """Wait until the canvas shows what was asked for."""
-    page.wait_for_function(
-        "([mode, mesh]) => { const own = document.getElementById('v-canvas').dataset.shown;"
-        " return own && own.endsWith(mode) && own.includes(mesh); }",
-        arg=[mode, mesh],
-    )
-    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-
-
-def pixels(page: Page) -> np.ndarray:
-    """The canvas, without the line that shows the focus."""
-    with Image.open(io.BytesIO(page.locator("#v-canvas").screenshot())) as image:
-        return np.asarray(image.convert("RGB")).astype(int)[8:-8, 8:-8]
-
-
-def drawn(image: np.ndarray) -> np.ndarray:
-    """Where the mesh is."""
-    return np.abs(image - BACKGROUND).max(axis=2) > 12
-
-
-def saturation(image: np.ndarray) -> float:
-    """Of what is drawn."""
-    own = image[drawn(image)]
-    return float((own.max(axis=1) - own.min(axis=1)).mean())
 
 
 def test_nothing_goes_wrong_in_either_scheme_or_on_a_phone(page: Page):
@@ -128,11 +63,6 @@ def test_nothing_goes_wrong_in_either_scheme_or_on_a_phone(page: Page):
         )
         assert brightness(ink) - brightness(background) > 120 or scheme == "light"
         assert brightness(background) - brightness(ink) > 120 or scheme == "dark"
-
-
-def brightness(colour: str) -> float:
-    numbers = colour[colour.index("(") + 1 : -1].split(",")
-    return sum(float(number) for number in numbers[:3]) / 3
 
 
 def test_pictures_are_decoded(page: Page):

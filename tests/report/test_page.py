@@ -4,7 +4,6 @@ import json
 import os
 import re
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "cli"))
 import benchmark as tiny
+from checking import checked
 from command import run, temporaries
 
 from weingarten.bench.store import Store
@@ -32,46 +32,6 @@ def made(folder: Path) -> tuple[Path, str, str]:
     code, out, err = run("report", folder)
     assert code == 0, err
     return folder / "report.html", out, err
-
-
-class Checker(HTMLParser):
-    """Ids, addresses, and whether elements are closed in the order in which they were opened."""
-
-    VOID = ("meta", "link", "img", "input", "br", "use", "path")
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.ids: list[str] = []
-        self.addresses: list[str] = []
-        self.titles: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        own = dict(attrs)
-        self.ids += [own["id"] or ""] if "id" in own else []
-        self.addresses += [own[key] or "" for key in ("src", "href", "xlink:href") if key in own]
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.handle_starttag(tag, attrs)
-        if tag not in self.VOID:
-            self.open.pop()
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag not in self.VOID:
-            assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] == "title":
-            self.titles.append(data)
-
-
-def checked(text: str) -> Checker:
-    checker = Checker()
-    checker.feed(text)
-    checker.close()
-    return checker
 
 
 def test_the_command_says_what_it_wrote(made: tuple[Path, str, str]):

@@ -73,7 +73,7 @@ def carried_out(
     from weingarten.bench.parts import parts_in
     from weingarten.bench.runner import Plan
     from weingarten.bench.store import Store
-    from weingarten.report.provenance import origin
+    from weingarten.report.provenance import machine, origin
 
     for name, value, most in (
         ("--seeds", arguments.seeds, 1000),
@@ -92,7 +92,7 @@ def carried_out(
             arguments.seeds,
             arguments.points,
             crowd.device(arguments.device),
-            origin(crowd.threads.count),
+            origin(machine(crowd.threads.count)),
             part,
         )
         return carry_out(plan, watcher, crowd, baseline, arguments.retry, arguments.together)

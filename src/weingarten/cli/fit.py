@@ -2,8 +2,10 @@
 
 import argparse
 import json
+import shlex
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from weingarten.cli import fit_folder
@@ -13,6 +15,8 @@ from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError, OutputError
 
 if TYPE_CHECKING:
+    from weingarten.fit.run_folder import RunFolder
+    from weingarten.fit.spare_folder import SpareFolder
     from weingarten.reconstruction import Result
     from weingarten.settings import Settings
 
@@ -68,6 +72,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         "--oracle", metavar="TRUTH", help="stop early by distance to this mesh, as the paper does"
     )
     verb.add_argument("--picture", type=Path, metavar="PNG", help="draw the points beside the mesh")
+    verb.add_argument("--page", type=Path, metavar="HTML", help="write the page of `weingarten report` too")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
     verb.add_argument("--quiet", action="store_true", help="no progress")
     fit_folder.add(verb)
@@ -97,24 +102,17 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.cli.memory import keep_freed_memory
         from weingarten.cli.mesh_source import load
         from weingarten.cli.progress import progress
-        from weingarten.device import chosen_device
-        from weingarten.fit.run_folder import RunFolder
-        from weingarten.fit.spare_folder import SpareFolder
-        from weingarten.io.mesh import check_mesh_path, write_mesh
+        from weingarten.io.mesh import write_mesh
         from weingarten.io.points import read_points
         from weingarten.reconstruction import reconstruct
-        from weingarten.report.picture import check_picture_path, write_picture
+        from weingarten.report.picture import write_picture
 
     settings = settings_of(arguments)
-    chosen_device(arguments.device)
-    check_mesh_path(arguments.output)
-    if arguments.picture is not None:
-        check_picture_path(arguments.picture)
+    check_places(arguments)
     truth = None if arguments.oracle is None else load(arguments.oracle)
     points = read_points(arguments.cloud)
     keep_freed_memory()
-    beside = arguments.output.with_suffix(".run")
-    keeper = SpareFolder(beside) if arguments.folder is None else RunFolder(arguments.folder)
+    keeper = keeper_for(arguments)
     observer = progress(arguments.quiet)
     with observer.listening():
         try:
@@ -134,6 +132,8 @@ def run(arguments: argparse.Namespace) -> int:
             observer.note(note)
     if arguments.picture is not None:
         write_picture(arguments.picture, points, result.mesh)
+    if arguments.page is not None:
+        write_page(keeper, arguments.page)
     if arguments.json:
         sys.stdout.write(json.dumps(as_json(arguments.output, result)) + "\n")
     elif not arguments.quiet:
@@ -143,7 +143,7 @@ def run(arguments: argparse.Namespace) -> int:
     sys.stderr.write(
         f"Interrupted after step {result.summary.steps} of {result.summary.of_steps}; go on with:\n"
     )
-    sys.stderr.write(f"  {resuming(keeper.keep() or beside, arguments)}\n")
+    sys.stderr.write(f"  {resuming(keeper.keep() or keeper.path, arguments)}\n")
     return INTERRUPTED
 
 
@@ -157,9 +157,7 @@ def going_on(error: OutputError, folder: Path | None, arguments: argparse.Namesp
 
 def resuming(folder: Path, arguments: argparse.Namespace) -> str:
     """The command that goes on with the fit kept in `folder`."""
-    return (
-        f"weingarten fit {arguments.cloud} -o {arguments.output} --run {folder} --resume{repeated(arguments)}"
-    )
+    return command(arguments, "--run", folder, "--resume")
 
 
 def settings_of(arguments: argparse.Namespace) -> "Settings":
@@ -184,6 +182,56 @@ def settings_of(arguments: argparse.Namespace) -> "Settings":
     )
 
 
+def check_places(arguments: argparse.Namespace) -> None:
+    """Before the work begins: raise unless the device is there, and all that is to be written can be."""
+    from weingarten.device import chosen_device
+    from weingarten.io.mesh import check_mesh_path
+    from weingarten.report import extra
+    from weingarten.report.picture import check_picture_path
+    from weingarten.report.template import check_page_path
+
+    chosen_device(arguments.device)
+    check_mesh_path(arguments.output)
+    if arguments.picture is not None:
+        check_picture_path(arguments.picture)
+    if arguments.page is not None:
+        check_page_path(arguments.page)
+        extra.check()
+
+
+def keeper_for(arguments: argparse.Namespace) -> "RunFolder | SpareFolder":
+    """What keeps the fit, with the record of how it is made."""
+    from weingarten.device import chosen_device
+    from weingarten.fit.run_folder import RunFolder
+    from weingarten.fit.spare_folder import SpareFolder
+    from weingarten.report.provenance import machine_here, origin
+
+    kept = () if arguments.folder is None else ("--run", arguments.folder)
+    made = {
+        "cloud": str(arguments.cloud),
+        "mesh": str(arguments.output),
+        "command": command(arguments, *kept),
+        "device": str(chosen_device(arguments.device)),
+        **origin(machine_here()),
+    }
+    if arguments.folder is not None:
+        return RunFolder(arguments.folder, made)
+    return SpareFolder(arguments.output.with_suffix(".run"), made)
+
+
+def write_page(keeper: "RunFolder | SpareFolder", path: Path) -> None:
+    """Write the page about a fit that has come to its end. Raises OutputError."""
+    from weingarten.fit.run_folder import RunFolder
+    from weingarten.report.run.page import write_run_page
+
+    if isinstance(keeper, RunFolder):
+        write_run_page(keeper.path, path)
+        return
+    with TemporaryDirectory() as folder:
+        keeper.lay_out(Path(folder))
+        write_run_page(Path(folder), path)
+
+
 def as_json(output: Path, result: "Result") -> dict[str, object]:
     """Figures, settings and where the mesh went."""
     return {"mesh": str(output), "summary": result.summary.as_dict(), "settings": result.settings.as_dict()}
@@ -204,8 +252,14 @@ def sentences(output: Path, result: "Result") -> list[str]:
     ]
 
 
-def repeated(arguments: argparse.Namespace) -> str:
-    """The options that make the resumed fit the same fit."""
+def command(arguments: argparse.Namespace, *more: object) -> str:
+    """The command that makes the same fit, with more options, for a shell."""
+    words = ("weingarten", "fit", arguments.cloud, "-o", arguments.output, *more, *repeated(arguments))
+    return shlex.join(map(str, words))
+
+
+def repeated(arguments: argparse.Namespace) -> list[str]:
+    """The options that make another fit the same fit."""
     names = (
         "preset",
         "method",
@@ -221,7 +275,8 @@ def repeated(arguments: argparse.Namespace) -> str:
         "trim_distance",
         "seed",
         "oracle",
+        "device",
     )
     given = {name: getattr(arguments, name) for name in names}
-    given = {name: value for name, value in given.items() if value not in (None, "standard", 0)}
-    return "".join(f" --{name.replace('_', '-')} {value}" for name, value in given.items())
+    given = {name: value for name, value in given.items() if value not in (None, "standard", 0, "auto")}
+    return [word for name, value in given.items() for word in (f"--{name.replace('_', '-')}", str(value))]

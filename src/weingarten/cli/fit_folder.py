@@ -118,10 +118,10 @@ def fits(
 ) -> "list[CloudFit]":
     """All that are to be there in the end, in order."""
     from weingarten.many.cloud_fit import CloudFit
-    from weingarten.report.provenance import origin
+    from weingarten.report.provenance import machine, origin
 
     picture = None if arguments.picture is None else arguments.picture.name
-    where = origin(threads)
+    where = origin(machine(threads))
     return [
         CloudFit(arguments.output, name, path, path.stat().st_size, settings, device, where, picture)
         for name, path in named.items()

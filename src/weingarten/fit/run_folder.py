@@ -1,4 +1,5 @@
-"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json.
+"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json,
+and made.json, the record of who made it how.
 
 While a fit is written there, a file `lock` says by whom. A fit without a folder uses `NoFolder`, so that
 nothing asks whether there is one.
@@ -28,6 +29,9 @@ from weingarten.mesh import Mesh
 from weingarten.summary import Summary
 
 Points = Float64[np.ndarray, "n 3"]
+
+PRIMITIVES, MADE = "primitives.json", "made.json"
+RESULTS = ("mesh.ply", "summary.json", PRIMITIVES, MADE)
 
 
 @runtime_checkable
@@ -83,16 +87,19 @@ class NoFolder:
         """See Keeper."""
 
 
-EARLIER = ("checkpoint.safetensors", "summary.json", "mesh.ply")
+EARLIER = ("checkpoint.safetensors", *RESULTS)
 """What a fit leaves behind that another one must not be taken for."""
 FILES = (*EARLIER, "config.toml", "cloud.npy", "loss.csv")
 
 
 class RunFolder:
-    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be."""
+    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    made: a record of the command, the machine and so on, if there is one.
+    """
+
+    def __init__(self, path: Path, made: dict[str, str] | None = None) -> None:
+        self.path, self.made = path, made
         self.rows: list[list[str]] = []
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -137,6 +144,9 @@ class RunFolder:
             (self.path / name).unlink(missing_ok=True)
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
+        if self.made is not None:
+            with replacing(self.path / MADE) as temporary:
+                temporary.write_text(json.dumps(self.made, indent=2) + "\n")
         if resumed is None or not self.cloud.is_file():
             with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
                 np.save(stream, points, allow_pickle=False)
@@ -178,7 +188,8 @@ class RunFolder:
         checkpoint.save(self.checkpoint, loop, origin, tensors, extra)
 
     def finish(self, mesh: Mesh, summary: Summary) -> None:
-        """Write the mesh and the figures."""
+        """Write the mesh and the figures; what was measured on an earlier mesh goes."""
+        (self.path / PRIMITIVES).unlink(missing_ok=True)
         write_mesh(self.path / "mesh.ply", mesh)
         with replacing(self.path / "summary.json") as temporary:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")

@@ -17,11 +17,11 @@ class SpareFolder(NoFolder):
     """Becomes a run folder if the fit is interrupted or its mesh cannot be written, and nothing otherwise.
 
     path: where the folder is to be; one that is there already stays as it is, and another name is taken.
-    folder: where it is, once it is made.
+    made: the record that goes with it. folder: where it is, once it is made.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, made: dict[str, str] | None = None) -> None:
+        self.path, self.made = path, made
         self.folder: Path | None = None
         self.origin: Origin | None = None
         self.records: list[tuple[Record, float]] = []
@@ -40,6 +40,7 @@ class SpareFolder(NoFolder):
 
     def finish(self, mesh: Mesh, summary: Summary) -> None:
         """See Keeper. Raises OutputError where the folder of an interrupted fit can be made nowhere."""
+        self.result = mesh, summary
         if summary.finished or self.origin is None:
             return
         folder = self.keep()
@@ -65,12 +66,18 @@ class SpareFolder(NoFolder):
 
     def write(self, place: Path, origin: Origin) -> None:
         """The state of the fit, as a run folder has it. Raises OutputError."""
-        folder = RunFolder(place)
+        folder = RunFolder(place, self.made)
         with folder.held():
             folder.begin(origin, self.points, None)
             for record, seconds in self.records:
                 folder.record(record, seconds)
             folder.save(self.loop, origin, *self.state)
+
+    def lay_out(self, place: Path) -> None:
+        """Write all of a fit that has come to its end, as a run folder. Raises OutputError."""
+        if self.origin is not None:
+            self.write(place, self.origin)
+            RunFolder(place).finish(*self.result)
 
 
 def free(path: Path) -> Path:

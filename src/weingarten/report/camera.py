@@ -30,13 +30,18 @@ class Camera:
     height: int
 
     @classmethod
-    def around(cls, points: Points, panel: int) -> "Camera":
-        """The camera that fits all points into a panel of that width, the lower the flatter they look."""
+    def around(
+        cls, points: Points, panel: int, azimuth: float = AZIMUTH, elevation: float = ELEVATION
+    ) -> "Camera":
+        """The camera that fits all points into a panel of that width, the lower the flatter they look.
+
+        azimuth, elevation: of the viewer, radians.
+        """
         size = panel * SUPERSAMPLING
         back = np.array(
-            [np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)]
+            [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)]
         )
-        right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
+        right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
         axes = np.stack([right, np.cross(back, right), back])
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         view = (points - middle) @ axes.T

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float64, Int64, UInt8
 
 from weingarten.report.camera import SUPERSAMPLING
 from weingarten.report.nearest import Nearest
@@ -39,26 +39,36 @@ class Scale:
         return np.clip(distance / self.end, 0.0, 1.0) * (LEVELS - 1)
 
     @property
-    def exponent(self) -> int:
-        """Of the power of ten that ticks are given in: a multiple of three, 0 for lengths of common size."""
-        return 0 if 0.01 <= self.end < 10_000 else 3 * int(np.floor(np.log10(self.end) / 3))
-
-    @property
     def unit(self) -> str:
         """The unit of the ticks, in words."""
-        power = str(self.exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        return "in the unit of the file" if self.exponent == 0 else f"in 10{power} of the unit of the file"
+        return f"in {power(self.end)}the unit of the file"
+
+    @property
+    def said(self) -> str:
+        """The scale for those who hear it."""
+        return f"Colours of distances from 0 to {self.end} and more"
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Where a tick stands, from 0 to 1, and what it says, × 10^exponent; the last one says "or more"."""
-        values = [self.end / 10.0**self.exponent * k / TICKS for k in range(TICKS + 1)]
+        """Where a tick stands, from 0 to 1, and what it says, in `unit`; the last one says "or more"."""
+        values = [self.end / 10.0 ** exponent(self.end) * k / TICKS for k in range(TICKS + 1)]
         texts = [f"{value:.3g}" for value in values]
         return [(k / TICKS, text) for k, text in enumerate([*texts[:-1], f"≥ {texts[-1]}"])]
 
 
-def colour_map() -> UInt8[np.ndarray, "256 3"]:
-    """ANCHORS, linear in between."""
-    anchors = np.array([[int(code[i : i + 2], 16) for i in (1, 3, 5)] for code in ANCHORS], dtype=np.float64)
+def exponent(length: float) -> int:
+    """Of the power of ten that it is shown in: a multiple of three, 0 for lengths of common size."""
+    return 0 if 0.01 <= length < 10_000 else 3 * int(np.floor(np.log10(length) / 3))
+
+
+def power(length: float) -> str:
+    """That power in words, "10⁻³ of ", or nothing where it is one."""
+    digits = str(exponent(length)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return "" if exponent(length) == 0 else f"10{digits} of "
+
+
+def colour_map(codes: Sequence[str] = ANCHORS) -> UInt8[np.ndarray, "256 3"]:
+    """Colours, linear in between."""
+    anchors = np.array([[int(code[i : i + 2], 16) for i in (1, 3, 5)] for code in codes], dtype=np.float64)
     place = np.linspace(0, len(anchors) - 1, LEVELS)
     channels = [np.interp(place, np.arange(len(anchors)), anchors[:, k]) for k in range(3)]
     return np.round(np.stack(channels, axis=1)).astype(np.uint8)
@@ -72,13 +82,14 @@ def scale_for(side: float, distances: Sequence[Distances]) -> Scale:
     """
     ends = sorted(float(np.percentile(own, PERCENTILE)) for own in distances if len(own))
     middle = ends[(len(ends) - 1) // 2] if ends else 0.0
-    return Scale(_rounded_up(min(max(middle, NARROWEST * side), WIDEST * side)))
+    return Scale(rounded_up(min(max(middle, NARROWEST * side), WIDEST * side)))
 
 
-def _rounded_up(value: float) -> float:
-    power = 10.0 ** np.floor(np.log10(value))
-    nice = next((step for step in STEPS if value <= step * power * (1 + 1e-9)), 10.0)
-    return float(f"{nice * power:.6g}")
+def rounded_up(value: float) -> float:
+    """To 1, 2 or 5 times a power of ten."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    nice = next((step for step in STEPS if value <= step * decade * (1 + 1e-9)), 10.0)
+    return float(f"{nice * decade:.6g}")
 
 
 def seen_distances(panel: Panel, other: Nearest) -> Distances:
@@ -86,9 +97,13 @@ def seen_distances(panel: Panel, other: Nearest) -> Distances:
 
     One place is measured in every block of supersampled pixels and stands for the block.
     """
-    if not len(panel.face):
-        return np.zeros(0)
+    places, which = seen_places(panel)
+    return other.distance(places)[which]
+
+
+def seen_places(panel: Panel) -> tuple[Float64[np.ndarray, "m 3"], Int64[np.ndarray, " n"]]:
+    """One seen place of every block of supersampled pixels, and every seen pixel’s number of its block."""
     rows, columns = np.nonzero(panel.seen)
     block = (rows // SUPERSAMPLING) * panel.seen.shape[1] + columns // SUPERSAMPLING
     _, first, which = np.unique(block, return_index=True, return_inverse=True)
-    return other.distance(panel.positions[first])[which]
+    return panel.positions[first], which

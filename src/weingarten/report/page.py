@@ -6,17 +6,15 @@ records name; nothing is fitted or judged here.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
-from weingarten.atomic import check_writable, replacing
+from weingarten.atomic import check_writable
 from weingarten.bench.job import DONE
 from weingarten.bench.results import Result, results
 from weingarten.bench.store import Store
 from weingarten.bench.table import CEILING, tables
 from weingarten.errors import InputError
-from weingarten.report import curves, extra, gallery
+from weingarten.report import curves, extra, gallery, template
 from weingarten.report.distributions import distributions
 from weingarten.report.facts import facts
 from weingarten.report.heat import ANCHORS
@@ -45,6 +43,11 @@ class Made:
     contenders: int
     size: int
 
+    def __str__(self) -> str:
+        """For a person."""
+        counts = f"{self.fits} fits, {self.contenders} contenders, {self.parts} parts"
+        return f"{counts}, {self.size / 1e6:.1f} MB"
+
 
 def write_page(folder: Path, path: Path, watcher: Watcher) -> Made:
     """Write the page about a benchmark's folder.
@@ -55,10 +58,8 @@ def write_page(folder: Path, path: Path, watcher: Watcher) -> Made:
     extra.check()
     store, found = opened(folder)
     check_writable(path)
-    content = page(store, found, watcher).encode("utf-8")
-    with replacing(path) as temporary:
-        temporary.write_bytes(content)
-    return Made(len(found), len(parts_of(found)), len(names_of(found)), len(content))
+    size = template.write(path, page(store, found, watcher))
+    return Made(len(found), len(parts_of(found)), len(names_of(found)), size)
 
 
 def opened(folder: Path) -> tuple[Store, list[Result]]:
@@ -95,7 +96,8 @@ def page(store: Store, found: Sequence[Result], watcher: Watcher) -> str:
         watcher.part(view.name, len(views), len(parts))
     every = curves.all_curves(found, names)
     settings, scenes = viewing(views)
-    return rendered(
+    return template.rendered(
+        "benchmark.html",
         title=store.path.resolve().name,
         facts=facts(found, parts, names),
         names=names,
@@ -115,23 +117,3 @@ def page(store: Store, found: Sequence[Result], watcher: Watcher) -> str:
         viewing=settings,
         scenes=scenes,
     )
-
-
-def rendered(**values: Any) -> str:
-    """The template with these values; all text is escaped but the plots, which are SVG."""
-    jinja2, markup = extra.required("jinja2"), extra.required("markupsafe").Markup
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(asset),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["svg"] = markup
-    environment.globals["asset"] = lambda name: markup(asset(name))
-    return environment.get_template("page.html").render(**values)
-
-
-def asset(name: str) -> str:
-    """A file of the folder page/, which the package brings along."""
-    return (files("weingarten.report") / "page" / name).read_text(encoding="utf-8")

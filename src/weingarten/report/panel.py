@@ -13,7 +13,7 @@ from PIL import Image
 from weingarten.mesh import Mesh
 from weingarten.report.camera import SUPERSAMPLING, Camera
 from weingarten.report.rasteriser import EMPTY, rasterise
-from weingarten.report.shading import brightness, corner_normals, shade
+from weingarten.report.shading import LIGHTS, Lights, brightness, corner_normals, shade
 
 Pixels = Float64[np.ndarray, "height width 3"]
 Rows = Float64[np.ndarray, "n 3"]
@@ -47,9 +47,9 @@ class Panel:
         """The surface in the colours of `shade`, on white."""
         return self._lined(np.clip(shade(self.normals[self.seen]), 0.0, 1.0))
 
-    def coloured(self, colours: Rows) -> Pixels:
+    def coloured(self, colours: Rows, lights: Lights = LIGHTS) -> Pixels:
         """The surface in the given colours, in light and shade, on white; both sides alike."""
-        light = brightness(self.normals[self.seen])[:, None]
+        light = brightness(self.normals[self.seen], lights)[:, None]
         return self._lined(np.clip(colours * (SHADE + TINT * light), 0.0, 1.0))
 
     def _lined(self, colours: Rows) -> Pixels:

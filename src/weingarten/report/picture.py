@@ -39,7 +39,7 @@ def picture(
     camera = Camera.around(everything, panel)
     height = camera.height // SUPERSAMPLING
     sheet = Image.new("RGB", (2 * panel, height + CAPTION), "white")
-    sheet.paste(reduced(_drawn_points(points, camera)), (0, 0))
+    sheet.paste(reduced(drawn_points(points, camera)), (0, 0))
     sheet.paste(reduced(seen(mesh, camera).shaded()), (panel, 0))
     counts = (f"{len(points):,} points", f"{len(mesh.faces):,} triangles")
     pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(size=22)
@@ -69,8 +69,8 @@ def write_picture(path: Path, points: Points, mesh: Mesh, names: tuple[str, str]
         image.save(temporary)
 
 
-def _drawn_points(points: Points, camera: Camera) -> Pixels:
-    """Small discs, the nearer above the farther; ink fades with depth."""
+def drawn_points(points: Points, camera: Camera) -> Pixels:
+    """Small discs on white, the nearer above the farther; ink fades with depth."""
     image = np.ones((camera.height, camera.width, 3))
     screen = camera.to_screen(points)
     depth = screen[:, 2]

@@ -58,10 +58,10 @@ def said(command: list[str]) -> str:
     return subprocess.check_output(command, text=True, stderr=subprocess.DEVNULL)
 
 
-def origin(threads: int | None = None) -> dict[str, str]:
+def origin(place: str) -> dict[str, str]:
     """Version, commit, machine and date, for a record. The commit is that of the package's own checkout.
 
-    threads: as in `machine`.
+    place: the machine, as one of the above describes it.
     """
     package = Path(__file__).resolve().parent.parent
     root = package.parent.parent
@@ -69,7 +69,7 @@ def origin(threads: int | None = None) -> dict[str, str]:
     return {
         "version": version("weingarten"),
         "commit": commit(root) if own else "unknown",
-        "machine": machine(threads),
+        "machine": place,
         "date": str(today()),
     }
 

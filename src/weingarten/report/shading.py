@@ -8,12 +8,16 @@ from weingarten.metrics.normals import face_normals
 from weingarten.metrics.topology import corner_fans, half_edge_pairs
 
 Directions = Float64[np.ndarray, "*any 3"]
+Lights = tuple[tuple[tuple[float, float, float], float], ...]
+"""Where each light is, and its power."""
 
 CREASE = np.cos(np.radians(32.0))
 
 # Key from the upper left behind the viewer, a weak fill from the right, a rim from above; view frame:
 # x right, y up, z towards the viewer.
 LIGHTS = (((-0.40, 0.50, 0.75), 0.62), ((0.85, 0.05, 0.50), 0.23), ((0.10, 0.95, -0.10), 0.14))
+# Two from nearly behind the viewer, so that colours can be read on every face that is seen, also from below.
+EVEN = (((-0.30, 0.35, 0.90), 0.45), ((0.30, -0.35, 0.90), 0.30))
 AMBIENT = 0.34
 SHEEN = 0.08
 FRONT = (0.795, 0.830, 0.875)
@@ -59,11 +63,11 @@ def shade(normals: Directions) -> Directions:
     return np.where(normals[..., 2:] < 0, BACK, FRONT) * light[..., None] + sheen[..., None]
 
 
-def brightness(normals: Directions) -> Float64[np.ndarray, "*any"]:
+def brightness(normals: Directions, lights: Lights = LIGHTS) -> Float64[np.ndarray, "*any"]:
     """Σ lights max(0, n·l) + ambient, n turned to the viewer, from unit normals in the view frame."""
     facing = _facing(normals)
     light = np.full(facing.shape[:-1], AMBIENT)
-    for direction, power in LIGHTS:
+    for direction, power in lights:
         light += power * np.maximum(0.0, facing @ _unit(direction))
     return light
 

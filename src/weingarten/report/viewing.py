@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from jaxtyping import UInt8
 
 from weingarten.report import panel, shading
 from weingarten.report.camera import AZIMUTH, ELEVATION
-from weingarten.report.gallery import Card, PartView
+from weingarten.report.gallery import PartView
 from weingarten.report.heat import colour_map
 from weingarten.report.scene import Scene
 
@@ -19,18 +20,37 @@ def viewing(views: Sequence[PartView]) -> tuple[dict[str, Any], list[tuple[str, 
     """Settings of the view, and the packed scenes by the id of the element that holds them."""
     scenes: list[tuple[str, str]] = []
     parts = [part_settings(number, view, scenes) for number, view in enumerate(views)]
-    lights = []
-    for direction, power in shading.LIGHTS:
+    modes = (("shaded", "Shaded"), ("error", "Error"), ("missed", "Missed"))
+    return settings_of(parts, colour_map(), modes), scenes
+
+
+def settings_of(
+    parts: list[dict[str, Any]],
+    colours: UInt8[np.ndarray, "256 3"],
+    modes: Sequence[tuple[str, str]],
+    mode: str = "shaded",
+    unknown: bool = False,
+    lights: shading.Lights = shading.LIGHTS,
+) -> dict[str, Any]:
+    """What every view in 3D is told. modes: keys of captions, and what their buttons say. mode: the first.
+
+    unknown: whether the first colour is of places of which nothing is known.
+    """
+    shining = []
+    for direction, power in lights:
         unit = np.asarray(direction) / np.linalg.norm(direction)
-        lights.append([*(round(float(value), 5) for value in unit), power])
-    settings = {
+        shining.append([*(round(float(value), 5) for value in unit), power])
+    return {
         "parts": parts,
+        "modes": [list(one) for one in modes],
+        "mode": mode,
+        "unknown": unknown,
         "azimuth": round(float(np.degrees(AZIMUTH)), 6),
         "elevation": round(float(np.degrees(ELEVATION)), 6),
-        "colours": colour_map().reshape(-1).tolist(),
+        "colours": colours.reshape(-1).tolist(),
         "crease": round(float(shading.CREASE), 6),
         "light": {
-            "lights": lights,
+            "lights": shining,
             "ambient": shading.AMBIENT,
             "sheen": shading.SHEEN,
             "front": shading.FRONT,
@@ -39,33 +59,48 @@ def viewing(views: Sequence[PartView]) -> tuple[dict[str, Any], list[tuple[str, 
             "tint": panel.TINT,
         },
     }
-    return settings, scenes
 
 
 def part_settings(number: int, view: PartView, scenes: list[tuple[str, str]]) -> dict[str, Any]:
     """Of one part; its scenes are added to the list."""
+    truth = None
+    if view.truth is not None:
+        scene = scene_settings(f"scene-{number}-truth", view.truth.scene, scenes)
+        truth = {"scene": scene, "captions": {"shaded": f"{view.name}: the truth"}}
     return {
         "name": view.name,
-        "target": [round(value, 6) for value in view.target],
-        "extent": round(view.extent, 6),
-        "tall": round(view.extent * max(view.size[1] / view.size[0], TALL), 6),
-        "unit": "" if view.scale is None else view.scale.unit,
+        **placed(view.target, view.extent, view.size),
         "ticks": [] if view.scale is None else [list(tick) for tick in view.scale.ticks()],
-        "truth": None
-        if view.truth is None
-        else scene_settings(f"scene-{number}-truth", view.truth.scene, scenes),
-        "meshes": [mesh_settings(f"scene-{number}-{k}", card, scenes) for k, card in enumerate(view.cards)],
+        "truth": truth,
+        "meshes": [mesh_settings(number, k, view, scenes) for k in range(len(view.cards))],
     }
 
 
-def mesh_settings(key: str, card: Card, scenes: list[tuple[str, str]]) -> dict[str, Any]:
-    """Of one contender's mesh. missed: where the levels of the truth's vertices are, if anywhere."""
-    found: dict[str, Any] = {"name": card.contender, "scene": None, "missed": None}
+def placed(target: tuple[float, float, float], extent: float, size: tuple[int, int]) -> dict[str, Any]:
+    """What the view looks at and how wide and tall it is; see PartView."""
+    return {
+        "target": [round(value, 6) for value in target],
+        "extent": round(extent, 6),
+        "tall": round(extent * max(size[1] / size[0], TALL), 6),
+    }
+
+
+def mesh_settings(number: int, k: int, view: PartView, scenes: list[tuple[str, str]]) -> dict[str, Any]:
+    """Of one contender's mesh. captions: by mode, as far as it can be shown so.
+
+    missed: where the levels of the truth's vertices are, if anywhere.
+    """
+    key, card = f"scene-{number}-{k}", view.cards[k]
+    captions = {"shaded": f"{view.name}: {card.contender}"}
+    found: dict[str, Any] = {"name": card.contender, "scene": None, "missed": None, "captions": captions}
     if card.scene is not None:
         found["scene"] = scene_settings(key, card.scene, scenes)
-    if card.missed_levels is not None:
+    if card.missed_levels is not None and view.scale is not None:
+        name, unit = card.contender, view.scale.unit
         found["missed"] = f"{key}-missed"
         scenes.append((f"{key}-missed", card.missed_levels))
+        captions["error"] = f"{view.name}: {name}, distance of the mesh to the truth, {unit}"
+        captions["missed"] = f"{view.name}: the truth, distance to the mesh of {name}, {unit}"
     return found
 
 

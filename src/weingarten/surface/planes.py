@@ -75,9 +75,9 @@ def unrounded(planes: Planes, known: Planes = NOTHING) -> tuple[Points, Points]:
     tree = KDTree(beside)
     for piece in np.array_split(bent, -(-len(bent) // PIECE)):
         distance, around = tree.query(planes.points[piece], k=MOST, distance_upper_bound=REACH, workers=-1)
-        known = np.isfinite(distance)
-        around = np.where(known, around, piece[:, None])
-        near = np.where(known, np.exp(-0.5 * (np.where(known, distance, 0.0) / SPREAD) ** 2), 0.0)
+        there = np.isfinite(distance)
+        around = np.where(there, around, piece[:, None])
+        near = np.where(there, np.exp(-0.5 * (np.where(there, distance, 0.0) / SPREAD) ** 2), 0.0)
         chord = beside[around] - planes.points[piece][:, None]
         found = shifted(planes.normals[piece], facing[around], chord, near * trust[around])
         points[piece], normals[piece] = planes.points[piece] + found[0], found[1]

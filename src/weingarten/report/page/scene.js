@@ -59,8 +59,9 @@ const packedScenes = (() => {
     return Math.max(side(a, b), side(b, c), side(c, a));
   }
 
-  /** What WebGL is given: for every corner place, normal and distances to creases (9 numbers), and its level. */
-  function expanded(mesh, crease) {
+  /** What WebGL is given: for every corner place, normal and distances to creases (9 numbers), and its level.
+   *  unknown: whether level 0 says that nothing is known there, which then holds for the whole face. */
+  function expanded(mesh, crease, unknown) {
     const { positions, indices, levels, step } = mesh, count = indices.length, around = new Map(), edges = new Map();
     const cross = crossed(mesh), length = new Float32Array(count / 3), thin = new Uint8Array(count / 3);
     for (let f = 0; f < count; f += 3) {
@@ -99,6 +100,9 @@ const packedScenes = (() => {
         corner[9 * i + 6 + k] = i % 3 !== k && lined(from, to) ? 0 : 1;
       }
       level[i] = levels.length ? levels[vertex] : 0;
+    }
+    for (let i = 0; unknown && i < count; i += 3) {
+      if (Math.min(level[i], level[i + 1], level[i + 2]) === 0) level.fill(0, i, i + 3);
     }
     return { corner, level, count };
   }

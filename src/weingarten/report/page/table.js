@@ -1,5 +1,5 @@
 "use strict";
-// Tables that sort by a click on a head, the list of parts that folds, and the way to a part that is folded.
+// Tables that sort by a click on a head.
 (() => {
   const value = (cell) => (cell.dataset.value === undefined ? null : Number(cell.dataset.value));
 
@@ -28,19 +28,4 @@
       head.firstElementChild.addEventListener("click", () => sort(table, head));
     }
   }
-
-  const parts = [...document.querySelectorAll("details.part")];
-  const fold = (open) => () => parts.forEach((part) => (part.open = open));
-  document.getElementById("unfold").addEventListener("click", fold(true));
-  document.getElementById("fold").addEventListener("click", fold(false));
-
-  function arrive() {
-    const target = document.getElementById(location.hash.slice(1));
-    if (target && target.matches("details.part")) {
-      target.open = true;
-      target.scrollIntoView();
-    }
-  }
-  window.addEventListener("hashchange", arrive);
-  arrive();
 })();

@@ -42,7 +42,8 @@
   const buffers = [];
   let gl = null, program = null, places = null, corners = 0, request = 0, shown = 0;
   const view = { azimuth: 0, elevation: 0, zoom: 1, x: 0, y: 0 };
-  const now = { part: 0, mesh: TRUTH, mode: "shaded" };
+  const now = { part: 0, mesh: TRUTH, mode: settings.mode };
+  const home = { azimuth: settings.azimuth, elevation: settings.elevation };
 
   // ---- WebGL
   function shader(kind, source) {
@@ -135,7 +136,7 @@
   const redraw = () => (request ||= requestAnimationFrame(draw));
 
   function reset() {
-    Object.assign(view, { azimuth: settings.azimuth, elevation: settings.elevation, zoom: 1, x: 0, y: 0 });
+    Object.assign(view, home, { zoom: 1, x: 0, y: 0 });
     redraw();
   }
 
@@ -145,6 +146,12 @@
     message.hidden = !text;
   }
 
+  /** What is chosen: a contender's mesh or the truth. */
+  const chosen = () => {
+    const part = settings.parts[now.part];
+    return now.mesh === TRUTH ? part.truth : part.meshes[now.mesh];
+  };
+
   function offer() {
     const part = settings.parts[now.part], names = part.meshes.map((mesh, k) => [k, mesh.name]);
     const options = [...(part.truth ? [[TRUTH, "truth"]] : []), ...names].map(([k, name]) => new Option(name, k));
@@ -153,7 +160,7 @@
     meshChoice.value = now.mesh;
     partChoice.value = now.part;
     for (const mode of modes) {
-      mode.disabled = mode.value !== "shaded" && (now.mesh === TRUTH || !part.meshes[now.mesh].missed);
+      mode.disabled = !(mode.value in chosen().captions);
       if (mode.disabled && now.mode === mode.value) now.mode = "shaded";
     }
     for (const mode of modes) mode.checked = mode.value === now.mode;
@@ -167,36 +174,28 @@
     }));
   }
 
-  function caption(part) {
-    if (now.mesh === TRUTH) return `${part.name}: the truth`;
-    const name = part.meshes[now.mesh].name;
-    if (now.mode === "error") return `${part.name}: ${name}, distance of the mesh to the truth, ${part.unit}`;
-    if (now.mode === "missed") return `${part.name}: the truth, distance to the mesh of ${name}, ${part.unit}`;
-    return `${part.name}: ${name}`;
-  }
-
   async function show() {
     const part = settings.parts[now.part], turn = ++shown;
     offer();
-    element("v-said").textContent = caption(part);
+    element("v-said").textContent = chosen().captions[now.mode];
     if (!gl) return;
-    const mesh = now.mesh === TRUTH ? null : part.meshes[now.mesh];
-    const scene = now.mode === "missed" || !mesh ? part.truth : mesh.scene;
+    const mesh = chosen(), scene = now.mode === "missed" ? part.truth.scene : mesh.scene;
     corners = 0;
     say(scene ? "" : "There is no mesh of this contender for this part.");
     if (scene) {
       const found = await packedScenes.unpacked(scene);
       if (now.mode === "missed") found.levels = await packedScenes.bytes(mesh.missed);
       if (turn !== shown) return; // something else was chosen meanwhile
-      upload(packedScenes.expanded(found, settings.crease));
+      upload(packedScenes.expanded(found, settings.crease, settings.unknown));
     }
     canvas.dataset.shown = `${now.part} ${now.mesh} ${now.mode}`;
     redraw();
   }
 
-  function open(part, mesh, mode) {
+  function open(part, mesh, mode, from = settings) {
     const other = part !== now.part || !dialog.open;
     Object.assign(now, { part, mesh, mode });
+    Object.assign(home, { azimuth: Number(from.azimuth), elevation: Number(from.elevation) });
     if (!dialog.open) dialog.showModal();
     if (!gl && !prepare()) {
       say("This browser cannot draw the view in 3D: it needs WebGL2 and DecompressionStream. The pictures in the page show the same.");
@@ -285,6 +284,8 @@
 
   // ---- the page
   partChoice.append(...settings.parts.map((part, k) => new Option(part.name, k)));
+  partChoice.parentNode.hidden = settings.parts.length < 2;
+  meshChoice.parentNode.hidden = settings.parts.every((part) => !part.truth && part.meshes.length < 2);
   partChoice.addEventListener("change", () => {
     now.part = Number(partChoice.value);
     reset();
@@ -296,8 +297,9 @@
   element("v-close").addEventListener("click", () => dialog.close());
   element("open3d").addEventListener("click", () => open(now.part, now.mesh, now.mode));
   for (const shot of document.querySelectorAll("button.shot")) {
-    const { part, mesh, mode } = shot.dataset;
-    shot.addEventListener("click", () => open(Number(part), Number(mesh), mode));
+    const { part, mesh, mode, azimuth } = shot.dataset;
+    const from = azimuth === undefined ? settings : shot.dataset;
+    shot.addEventListener("click", () => open(Number(part), Number(mesh), mode, from));
   }
   new ResizeObserver(redraw).observe(canvas);
 })();
