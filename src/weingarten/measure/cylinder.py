@@ -1,0 +1,66 @@
+"""Cylinders."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from weingarten.frame import Frame
+from weingarten.measure.axis import Axis
+from weingarten.measure.patch import Patch
+from weingarten.measure.surface import Points, Step, Values, across, ball
+from weingarten.measure.swept import swept
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder:
+    """d = ρ − r."""
+
+    axis: Axis
+    radius: float
+
+    KIND: ClassVar[str] = "cylinder"
+    FREEDOM: ClassVar[int] = 5
+
+    @classmethod
+    def guesses(cls, patch: Patch) -> list[Self]:
+        """That whose axis is the most nearly at right angles to all normals."""
+        direction = np.linalg.eigh(patch.normals.T @ patch.normals)[1][:, 0]
+        basis, mean = np.stack(across(direction), axis=1), patch.points.mean(axis=0)
+        centre, radius = ball((patch.points - mean) @ basis, patch.normals @ basis)
+        return [cls(Axis(mean + basis @ centre, direction), abs(radius))]
+
+    def distance(self, points: Points) -> Values:
+        """The signed distance, positive outside."""
+        return self.axis.distance(points) - self.radius
+
+    def normals(self, points: Points) -> Points:
+        """Away from the axis."""
+        return self.axis.outward(points)
+
+    def moved(self, step: Step) -> Self:
+        """Tilted by two angles, shifted by two lengths, and larger."""
+        axis = self.axis.moved(step[:2], np.array([step[2], step[3], 0.0]))
+        return type(self)(axis, self.radius + float(step[4]))
+
+    def centred(self, points: Points) -> Self:
+        """Its position at the mean height of the points."""
+        return type(self)(self.axis.at(float(self.axis.height(points).mean())), self.radius)
+
+    def geometry(self) -> dict[str, Any]:
+        """Its radius, a position on its axis, and the axis."""
+        axis = self.axis.upward
+        return {"radius": self.radius, "position": axis.position.tolist(), "axis": axis.direction.tolist()}
+
+    def extent(self, points: Points, area: float) -> dict[str, Any]:
+        """Height along the axis, angle around it."""
+        angle, full = swept(self.axis.angle(points))
+        return {"height": float(np.ptp(self.axis.height(points))), "angle": angle, "full": full}
+
+    def placed(self, frame: Frame) -> Self:
+        """From the unit frame to the world."""
+        return type(self)(self.axis.placed(frame), self.radius * frame.scale)
+
+    def sensible(self, reach: float) -> bool:
+        """Whether it is not as good as flat."""
+        return 0.0 < self.radius < 20.0 * reach

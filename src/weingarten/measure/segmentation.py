@@ -1,0 +1,62 @@
+"""A skin taken apart into regions of one surface each."""
+
+import numpy as np
+from jaxtyping import Int64
+
+from weingarten.measure.growing import Region, explained
+from weingarten.measure.skin import Indices, Mask, Skin
+
+PATCHES = (48, 20)
+"""Points that a surface is guessed from; fewer where a narrow surface has not as many."""
+
+FEWEST = 4
+"""A region has at least so many points for every degree of freedom."""
+
+ALIKE = 0.5
+"""Curvatures of a patch differ from those of its seed by at most so much over the spacing, unless…"""
+
+EDGE = np.cos(np.radians(75.0))
+"""Beside an edge, normals of the field are between those of its faces."""
+
+
+def segmented(skin: Skin, tolerance: float) -> list[Region]:
+    """Regions, from seeds where the surface is the smoothest."""
+    free, found = np.ones(len(skin.points), dtype=bool), []
+    order = np.argsort(skin.rough, kind="stable")
+    for size in PATCHES:
+        tried = np.zeros(len(free), dtype=bool)
+        for seed in order:
+            if not free[seed] or tried[seed]:
+                continue
+            patch = around(int(seed), skin, free, size)
+            tried[seed] = True
+            if len(patch) < size / 2:
+                continue
+            region = explained(patch, skin, tolerance, free)
+            if region is None or len(region.members) < FEWEST * region.surface.FREEDOM:
+                tried[patch] = True
+                continue
+            found.append(region)
+            free[region.members] = False
+            free[edging(region, skin, tolerance, free)] = False
+    return found
+
+
+def around(seed: int, skin: Skin, free: Mask, size: int) -> Indices:
+    """A patch of free points about a seed, of about its curvatures."""
+    change = np.abs(skin.curvatures - skin.curvatures[seed]).max(axis=1)
+    bend = np.abs(skin.curvatures[seed]).max()
+    allowed = free & (change <= np.maximum(0.3 * bend, 0.05 / skin.spacing))
+    patch = skin.connected(allowed, np.array([seed]), size)
+    distance = ((skin.points[patch] - skin.points[seed]) ** 2).sum(axis=1)
+    return patch[np.sort(np.argsort(distance, kind="stable")[:size])]
+
+
+def edging(region: Region, skin: Skin, tolerance: float, free: Mask) -> Int64[np.ndarray, " m"]:
+    """Free points beside a region that lie on its surface too, where the field rounds its edge."""
+    beside = np.zeros(len(free), dtype=bool)
+    beside[region.members] = True
+    index = np.flatnonzero(skin.beside(beside, 3) & free)
+    points = skin.points[index]
+    facing = np.abs(np.einsum("nd,nd->n", region.surface.normals(points), skin.normals[index]))
+    return index[(np.abs(region.surface.distance(points)) <= tolerance) & (facing >= EDGE)]

@@ -1,0 +1,24 @@
+"""How far points reach around an axis."""
+
+import numpy as np
+
+from weingarten.measure.surface import Values
+
+GAP = 1.0
+"""A gap is one if it is so many times as wide as chance leaves it, or CLOSED."""
+
+CLOSED = np.radians(4.0)
+
+
+def swept(angles: Values) -> tuple[float, bool]:
+    """Degrees that are left beside the widest gap between angles (radians), and whether they are all of 360.
+
+    n angles at random leave a widest gap of about 2π ln n / n.
+    """
+    count = len(angles)
+    if count < 3:
+        return 0.0, False
+    ordered = np.sort(angles)
+    gap = float(np.diff(ordered, append=ordered[0] + 2.0 * np.pi).max())
+    whole = gap <= max(CLOSED, GAP * 2.0 * np.pi * np.log(count) / count)
+    return (360.0 if whole else 360.0 - float(np.degrees(gap))), whole
