@@ -10,7 +10,7 @@ from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
 from weingarten.measure.surface import Points, Step, Values, Vector
-from weingarten.measure.swept import swept
+from weingarten.measure.reach import spanned, swept
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class Cone:
         height, (angle, full) = self.axis.height(points), swept(self.axis.angle(points))
         ends = [self.radius + float(end) * math.tan(self.half_angle) for end in (height.min(), height.max())]
         return {
-            "height": float(np.ptp(height)),
+            "height": spanned(height),
             "angle": angle,
             "full": full,
             "smallest_radius": max(0.0, ends[0]),

@@ -9,7 +9,7 @@ from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
 from weingarten.measure.surface import Points, Step, Values, across, ball
-from weingarten.measure.swept import swept
+from weingarten.measure.reach import spanned, swept
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class Cylinder:
     def extent(self, points: Points, area: float) -> dict[str, Any]:
         """Height along the axis, angle around it."""
         angle, full = swept(self.axis.angle(points))
-        return {"height": float(np.ptp(self.axis.height(points))), "angle": angle, "full": full}
+        return {"height": spanned(self.axis.height(points)), "angle": angle, "full": full}
 
     def placed(self, frame: Frame) -> Self:
         """From the unit frame to the world."""

@@ -85,26 +85,25 @@ def measure(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
     areas, free = label_areas(mesh, labels, len(order))
     whole = float(mesh.areas.sum())
     found = [
-        primitive(regions[k], skin, frame, mesh.vertices[labels == n], float(areas[n]), whole)
+        primitive(regions[k], skin, frame, float(areas[n]), whole)
         for n, k in enumerate(order)
     ]
     near = tolerance * frame.scale
     return Measurement(related(found, near), labels, free, whole, noise * frame.scale, near)
 
 
-def primitive(
-    region: Region, skin: Skin, frame: Frame, vertices: Points, area: float, whole: float
-) -> Primitive:
+def primitive(region: Region, skin: Skin, frame: Frame, area: float, whole: float) -> Primitive:
     """A region of the unit frame in the world, with its figures."""
-    distance = np.abs(region.surface.distance(skin.points[region.members])) * frame.scale
-    surface = region.surface.centred(skin.points[region.members]).placed(frame)
+    points = skin.points[region.members]
+    distance = np.abs(region.surface.distance(points)) * frame.scale
+    surface = region.surface.centred(points).placed(frame)
     outside = facing(region, skin)
     if isinstance(surface, Plane) and not outside:
         surface = surface.turned
     return Primitive(
         surface=surface,
         side=None if isinstance(surface, Plane) else "boss" if outside else "hole",
-        extent=surface.extent(vertices, area),
+        extent=surface.extent(frame.to_world(points), area),
         points=len(region.members),
         rms=float(np.sqrt((distance**2).mean())),
         p95=float(np.quantile(distance, 0.95)),

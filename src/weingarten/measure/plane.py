@@ -7,6 +7,7 @@ import numpy as np
 
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
+from weingarten.measure.reach import beyond
 from weingarten.measure.surface import Points, Step, Values, Vector, across, unit
 
 
@@ -61,7 +62,7 @@ class Plane:
         from trimesh.bounds import oriented_bounds_2D
 
         flat = (points - self.position) @ np.stack(across(self.normal), axis=1)
-        width, length = sorted(map(float, oriented_bounds_2D(flat)[1]))
+        width, length = sorted(float(side) * beyond(len(flat)) for side in oriented_bounds_2D(flat)[1])
         return {"length": length, "width": width}
 
     def placed(self, frame: Frame) -> Self:

@@ -6,14 +6,16 @@ from jaxtyping import Int64
 from weingarten.measure.growing import Region, explained
 from weingarten.measure.skin import Indices, Mask, Skin
 
-PATCHES = (48, 20)
-"""Points that a surface is guessed from; fewer where a narrow surface has not as many."""
+PATCHES = ((48, 1.0), (20, 1.0), (20, np.inf))
+"""Points that a surface is guessed from, and how much their curvatures may differ, in units of BEND and FLAT.
+
+Fewer points, and any curvature, where a surface is so narrow that the field rounds all of it."""
+
+BEND, FLAT = 0.3, 0.05
+"""Curvatures of a patch differ from that of its seed by at most BEND of it, or FLAT over the spacing."""
 
 FEWEST = 4
 """A region has at least so many points for every degree of freedom."""
-
-ALIKE = 0.5
-"""Curvatures of a patch differ from those of its seed by at most so much over the spacing, unless…"""
 
 EDGE = np.cos(np.radians(75.0))
 """Beside an edge, normals of the field are between those of its faces."""
@@ -23,12 +25,12 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
     """Regions, from seeds where the surface is the smoothest."""
     free, found = np.ones(len(skin.points), dtype=bool), []
     order = np.argsort(skin.rough, kind="stable")
-    for size in PATCHES:
+    for size, slack in PATCHES:
         tried = np.zeros(len(free), dtype=bool)
         for seed in order:
             if not free[seed] or tried[seed]:
                 continue
-            patch = around(int(seed), skin, free, size)
+            patch = around(int(seed), skin, free, size, slack)
             tried[seed] = True
             if len(patch) < size / 2:
                 continue
@@ -42,11 +44,11 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
     return found
 
 
-def around(seed: int, skin: Skin, free: Mask, size: int) -> Indices:
+def around(seed: int, skin: Skin, free: Mask, size: int, slack: float) -> Indices:
     """A patch of free points about a seed, of about its curvatures."""
     change = np.abs(skin.curvatures - skin.curvatures[seed]).max(axis=1)
     bend = np.abs(skin.curvatures[seed]).max()
-    allowed = free & (change <= np.maximum(0.3 * bend, 0.05 / skin.spacing))
+    allowed = free & (change <= slack * np.maximum(BEND * bend, FLAT / skin.spacing))
     patch = skin.connected(allowed, np.array([seed]), size)
     distance = ((skin.points[patch] - skin.points[seed]) ** 2).sum(axis=1)
     return patch[np.sort(np.argsort(distance, kind="stable")[:size])]

@@ -9,7 +9,7 @@ from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
 from weingarten.measure.surface import Points, Step, Values, ball, unit
-from weingarten.measure.swept import swept
+from weingarten.measure.reach import swept
 
 
 @dataclass(frozen=True, eq=False)

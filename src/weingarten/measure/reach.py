@@ -1,10 +1,10 @@
-"""How far points reach around an axis."""
+"""How far a surface reaches, told from the points on it."""
 
 import numpy as np
 
 from weingarten.measure.surface import Values
 
-GAP = 1.0
+GAP = 2.0
 """A gap is one if it is so many times as wide as chance leaves it, or CLOSED."""
 
 CLOSED = np.radians(4.0)
@@ -20,5 +20,18 @@ def swept(angles: Values) -> tuple[float, bool]:
         return 0.0, False
     ordered = np.sort(angles)
     gap = float(np.diff(ordered, append=ordered[0] + 2.0 * np.pi).max())
-    whole = gap <= max(CLOSED, GAP * 2.0 * np.pi * np.log(count) / count)
+    whole = bool(gap <= max(CLOSED, GAP * 2.0 * np.pi * np.log(count) / count))
     return (360.0 if whole else 360.0 - float(np.degrees(gap))), whole
+
+
+def beyond(count: int) -> float:
+    """By how much an interval is longer than that between the outermost of n points at random in it, a factor.
+
+    (n + 1)/(n − 1): the estimate of the least variance that is right on average.
+    """
+    return (count + 1.0) / max(count - 1.0, 1.0)
+
+
+def spanned(heights: Values) -> float:
+    """The length of the interval that the heights are from."""
+    return float(np.ptp(heights)) * beyond(len(heights))
