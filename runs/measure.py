@@ -105,7 +105,11 @@ def errors(found: Surface, true: Surface, side: float) -> tuple[float, float, fl
     """Of radii, relative; of the direction, radians; of the place, in longest sides. Infinite if of another kind."""
     match found, true:
         case Plane(), Plane():
-            return 0.0, angle(found.normal, true.normal), abs(float(true.distance(found.position[None])[0])) / side
+            return (
+                0.0,
+                angle(found.normal, true.normal),
+                abs(float(true.distance(found.position[None])[0])) / side,
+            )
         case Sphere(), Sphere():
             away = float(np.linalg.norm(found.position - true.position))
             return abs(found.radius / true.radius - 1.0), 0.0, away / side
@@ -172,7 +176,8 @@ def cells(name: str, noise: float, row: Row) -> list[str]:
     return [
         name,
         f"{100 * noise:g} %",
-        f"{row.true - len(row.missed)} of {row.true}" + (f" (not: {counted(row.missed)})" if row.missed else ""),
+        f"{row.true - len(row.missed)} of {row.true}"
+        + (f" (not: {counted(row.missed)})" if row.missed else ""),
         str(row.pieces),
         f"{len(row.false)}" + (f" ({counted(row.false)})" if row.false else ""),
         *(f"{row.errors[key]:.1e}" for key in ("radius",)),
@@ -190,7 +195,14 @@ def counted(names: list[str]) -> str:
 
 def table(rows: list[list[str]]) -> str:
     """The page."""
-    heads = ["part", "noise", "surfaces found", "primitives on them", "false", "radius or cone angle, relative"]
+    heads = [
+        "part",
+        "noise",
+        "surfaces found",
+        "primitives on them",
+        "false",
+        "radius or cone angle, relative",
+    ]
     heads += ["direction, degrees", "place, longest sides", "free-form", "seconds"]
     lines = [
         "# Primitives of parts that are known in closed form",

@@ -12,7 +12,6 @@ from weingarten.cli.importing import importing
 from weingarten.errors import InputError
 
 if TYPE_CHECKING:
-    from weingarten.measure.measurement import Measurement
     from weingarten.mesh import Mesh
 
 EXAMPLE = """\
@@ -70,7 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     write_measurement(folder, found)
     if arguments.output is not None:
         write_json(arguments.output, found)
-    sys.stdout.write((json.dumps(found.as_dict(), allow_nan=False) if arguments.json else listing(found)) + "\n")
+    sys.stdout.write(
+        (json.dumps(found.as_dict(), allow_nan=False) if arguments.json else listing(found)) + "\n"
+    )
     return 0
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
-from weingarten.measure.surface import Points, Step, Values, Vector
 from weingarten.measure.reach import spanned, swept
+from weingarten.measure.surface import Pairs, Points, Step, Values, Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +59,11 @@ class Cone:
         """Away from the axis, and back to the apex."""
         outward = self.axis.outward(points)
         return outward * math.cos(self.half_angle) - self.axis.direction * math.sin(self.half_angle)
+
+    def curvatures(self, points: Points) -> Pairs:
+        """0, cos α / ρ."""
+        bent = math.cos(self.half_angle) / np.maximum(self.axis.distance(points), 1e-9)
+        return np.column_stack([np.zeros(len(points)), bent])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by two lengths, larger, and wider."""

@@ -8,8 +8,8 @@ import numpy as np
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
-from weingarten.measure.surface import Points, Step, Values, across, ball
 from weingarten.measure.reach import spanned, swept
+from weingarten.measure.surface import Pairs, Points, Step, Values, across, ball
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,10 @@ class Cylinder:
     def normals(self, points: Points) -> Points:
         """Away from the axis."""
         return self.axis.outward(points)
+
+    def curvatures(self, points: Points) -> Pairs:
+        """0, 1/r."""
+        return np.tile([0.0, 1.0 / self.radius], (len(points), 1))
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by two lengths, and larger."""

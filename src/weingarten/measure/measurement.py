@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from weingarten.frame import Frame
 from weingarten.measure.growing import Region
@@ -13,17 +12,17 @@ from weingarten.measure.plane import Plane
 from weingarten.measure.primitive import Primitive
 from weingarten.measure.related import related
 from weingarten.measure.segmentation import segmented
-from weingarten.measure.settling import facing, merged, settled
+from weingarten.measure.settling import facing, merged, needed, settled
 from weingarten.measure.skin import Skin, WorldFunction
 from weingarten.measure.surface import Points
 from weingarten.mesh import Mesh
-from weingarten.scan.noise import noise_of
 
 MOST_POINTS = 60_000
 """Primitives are told from so many points, evenly picked from the cloud."""
 
-TOLERANCE, SIGMAS = 0.1, 3.0
-"""Points are on a surface as near as TOLERANCE spacings, or SIGMAS standard deviations of their noise."""
+TOLERANCE, SIGMAS = 0.1, 1.5
+"""Points are on a surface as near as TOLERANCE spacings, or SIGMAS standard deviations of their noise,
+most of which the field has taken from where they are told to be (`Skin.places`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +69,10 @@ def measure(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
     frame = Frame.of(points)
     chosen = points[:: max(1, -(-len(points) // MOST_POINTS))]
     skin = Skin.of(chosen, field, frame)
-    noise = noise_of(skin.points, KDTree(skin.points)).level
-    tolerance = float(np.hypot(TOLERANCE * skin.spacing, SIGMAS * noise))
+    tolerance = float(np.hypot(TOLERANCE * skin.spacing, SIGMAS * skin.noise))
     regions = settled(segmented(skin, tolerance), skin, tolerance)
-    regions = settled(merged(regions, skin, tolerance), skin, tolerance)
+    regions = needed(merged(regions, skin, tolerance), skin, tolerance)
+    regions = settled(regions, skin, tolerance)
     unit = Mesh(frame.to_unit(mesh.vertices), mesh.faces)
     labels = labelled(unit, regions, skin)
     areas, _ = label_areas(unit, labels, len(regions))
@@ -84,12 +83,9 @@ def measure(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
     labels = rank[labels]
     areas, free = label_areas(mesh, labels, len(order))
     whole = float(mesh.areas.sum())
-    found = [
-        primitive(regions[k], skin, frame, float(areas[n]), whole)
-        for n, k in enumerate(order)
-    ]
+    found = [primitive(regions[k], skin, frame, float(areas[n]), whole) for n, k in enumerate(order)]
     near = tolerance * frame.scale
-    return Measurement(related(found, near), labels, free, whole, noise * frame.scale, near)
+    return Measurement(related(found, near), labels, free, whole, skin.noise * frame.scale, near)
 
 
 def primitive(region: Region, skin: Skin, frame: Frame, area: float, whole: float) -> Primitive:

@@ -8,7 +8,7 @@ import numpy as np
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
 from weingarten.measure.reach import beyond
-from weingarten.measure.surface import Points, Step, Values, Vector, across, unit
+from weingarten.measure.surface import Pairs, Points, Step, Values, Vector, across, unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +35,10 @@ class Plane:
     def normals(self, points: Points) -> Points:
         """The same everywhere."""
         return np.broadcast_to(self.normal, points.shape)
+
+    def curvatures(self, points: Points) -> Pairs:
+        """0, 0."""
+        return np.zeros((len(points), 2))
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, and shifted."""

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from weingarten.measure.surface import Points, Surface
+from weingarten.measure.surface import Surface
 
 
 @dataclass(frozen=True, eq=False)

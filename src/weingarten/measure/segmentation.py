@@ -3,22 +3,22 @@
 import numpy as np
 from jaxtyping import Int64
 
-from weingarten.measure.growing import Region, explained
+from weingarten.measure.growing import EDGE, Region, bent_alike, explained
 from weingarten.measure.skin import Indices, Mask, Skin
+from weingarten.measure.surface import Surface
 
 PATCHES = ((48, 1.0), (20, 1.0), (20, np.inf))
-"""Points that a surface is guessed from, and how much their curvatures may differ, in units of BEND and FLAT.
+"""Points that a surface is guessed from, and how much their curvatures may differ, in units of what is alike.
 
 Fewer points, and any curvature, where a surface is so narrow that the field rounds all of it."""
 
-BEND, FLAT = 0.3, 0.05
-"""Curvatures of a patch differ from that of its seed by at most BEND of it, or FLAT over the spacing."""
+FEWEST, FEWEST_NOISY = 4, 12
+"""A region has at least so many points for every degree of freedom; and where points are noisy."""
 
-FEWEST = 4
-"""A region has at least so many points for every degree of freedom."""
 
-EDGE = np.cos(np.radians(75.0))
-"""Beside an edge, normals of the field are between those of its faces."""
+def fewest(surface: Surface, skin: Skin) -> int:
+    """Points that make a region."""
+    return surface.FREEDOM * (FEWEST_NOISY if skin.noise > 0.0 else FEWEST)
 
 
 def segmented(skin: Skin, tolerance: float) -> list[Region]:
@@ -34,8 +34,8 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
             tried[seed] = True
             if len(patch) < size / 2:
                 continue
-            region = explained(patch, skin, tolerance, free)
-            if region is None or len(region.members) < FEWEST * region.surface.FREEDOM:
+            region = explained(patch, skin, tolerance, slack, free)
+            if region is None or len(region.members) < fewest(region.surface, skin):
                 tried[patch] = True
                 continue
             found.append(region)
@@ -46,11 +46,9 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
 
 def around(seed: int, skin: Skin, free: Mask, size: int, slack: float) -> Indices:
     """A patch of free points about a seed, of about its curvatures."""
-    change = np.abs(skin.curvatures - skin.curvatures[seed]).max(axis=1)
-    bend = np.abs(skin.curvatures[seed]).max()
-    allowed = free & (change <= slack * np.maximum(BEND * bend, FLAT / skin.spacing))
+    allowed = free & bent_alike(skin.curvatures, skin.curvatures[seed][None], skin.spacing, slack)
     patch = skin.connected(allowed, np.array([seed]), size)
-    distance = ((skin.points[patch] - skin.points[seed]) ** 2).sum(axis=1)
+    distance = ((skin.places[patch] - skin.places[seed]) ** 2).sum(axis=1)
     return patch[np.sort(np.argsort(distance, kind="stable")[:size])]
 
 
@@ -59,6 +57,6 @@ def edging(region: Region, skin: Skin, tolerance: float, free: Mask) -> Int64[np
     beside = np.zeros(len(free), dtype=bool)
     beside[region.members] = True
     index = np.flatnonzero(skin.beside(beside, 3) & free)
-    points = skin.points[index]
+    points = skin.places[index]
     facing = np.abs(np.einsum("nd,nd->n", region.surface.normals(points), skin.normals[index]))
     return index[(np.abs(region.surface.distance(points)) <= tolerance) & (facing >= EDGE)]

@@ -1,54 +1,99 @@
 """Regions fitted to the points that are nearest to them, and those of one surface put together."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from weingarten.measure.fitting import fitted
-from weingarten.measure.growing import Region, some
+from weingarten.measure.growing import EDGE, Region, some
 from weingarten.measure.plane import Plane
-from weingarten.measure.segmentation import EDGE, FEWEST
-from weingarten.measure.skin import Skin
+from weingarten.measure.segmentation import fewest
+from weingarten.measure.skin import Indices, Mask, Skin
+from weingarten.measure.surface import Values
 
 ROUNDS, STEPS = 3, 2
 """Of assignment and fit; how many neighbours beyond a region points may be taken from."""
+
+ALONE = 0.3
+"""A surface is fitted to the points that are on no other one where these are so large a share of its own."""
+
+NEARLY, WIDER = 0.6, 1.5
+"""A region is not needed of whose points a share of NEARLY is within WIDER tolerances of larger ones."""
 
 MOST = 20_000
 """Points that a surface is fitted to in the end."""
 
 
-def settled(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
-    """After ROUNDS rounds. Regions of which too little is left are gone."""
-    for _ in range(ROUNDS):
-        regions = [refitted(region, skin, tolerance) for region in assigned(regions, skin, tolerance)]
-    return regions
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """Points that a region's surface passes by, and how near."""
 
+    index: Indices
+    distance: Values
 
-def assigned(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
-    """Every point to the nearest surface of those that are beside it."""
-    least = np.full(len(skin.points), tolerance)
-    owner = np.full(len(skin.points), -1)
-    for number, region in enumerate(regions):
+    @classmethod
+    def of(cls, region: Region, skin: Skin, tolerance: float) -> "Claim":
+        """Those of the region's and beside it that are within the tolerance and do not face elsewhere."""
         own = np.zeros(len(skin.points), dtype=bool)
         own[region.members] = True
         index = np.flatnonzero(skin.beside(own, STEPS))
-        points = skin.points[index]
+        points = skin.places[index]
         distance = np.abs(region.surface.distance(points))
         facing = np.abs(np.einsum("nd,nd->n", region.surface.normals(points), skin.normals[index]))
-        nearer = (distance < least[index]) & (facing >= EDGE)
-        least[index[nearer]], owner[index[nearer]] = distance[nearer], number
-    parts = [
-        replace(region, members=np.flatnonzero(owner == number)) for number, region in enumerate(regions)
-    ]
-    return [part for part in parts if len(part.members) >= FEWEST * part.surface.FREEDOM]
+        on = (distance < tolerance) & (facing >= EDGE)
+        return cls(index[on], distance[on])
 
 
-def refitted(region: Region, skin: Skin, tolerance: float) -> Region:
-    """By all of its points, but those that are not its own."""
-    points = skin.points[some(region.members, MOST)]
-    surface = fitted(region.surface, points, 1e-3 * tolerance)
-    return region if surface is None else replace(region, surface=surface)
+def settled(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
+    """After ROUNDS rounds of assignment and fit. Regions of which too little is left are gone."""
+    for _ in range(ROUNDS):
+        claims = [Claim.of(region, skin, tolerance) for region in regions]
+        claimed = np.zeros(len(skin.points), dtype=np.int64)
+        for claim in claims:
+            claimed[claim.index] += 1
+        parts = assigned(regions, claims, len(skin.points))
+        fitted_ones = [refitted(part, skin, tolerance, claimed == 1) for part in parts]
+        regions = [one for one in fitted_ones if one is not None]
+    return regions
+
+
+def assigned(regions: list[Region], claims: list[Claim], count: int) -> list[Region]:
+    """Every point to the nearest surface of those that claim it."""
+    least, owner = np.full(count, np.inf), np.full(count, -1)
+    for number, claim in enumerate(claims):
+        nearer = claim.distance < least[claim.index]
+        index = claim.index[nearer]
+        least[index], owner[index] = claim.distance[nearer], number
+    return [replace(region, members=np.flatnonzero(owner == number)) for number, region in enumerate(regions)]
+
+
+def refitted(region: Region, skin: Skin, tolerance: float, sole: Mask) -> Region | None:
+    """By its points; None where there are too few, or the surface is none of its kind any more.
+
+    sole: points that one surface alone passes by. Where two do, as where a fillet begins, noise decides whose
+    each is, and would move both: those are left out where enough others are there.
+    """
+    least = fewest(region.surface, skin)
+    if len(region.members) < least:
+        return None
+    alone = region.members[sole[region.members]]
+    members = alone if len(alone) >= max(least, ALONE * len(region.members)) else region.members
+    surface = fitted(region.surface, skin.points[some(members, MOST)], 1e-3 * tolerance)
+    if surface is None or not surface.sensible(1.0):
+        return None
+    return replace(region, surface=surface)
+
+
+def needed(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
+    """Without those whose points are nearly all on the surfaces of larger ones beside them too."""
+    kept: list[Region] = []
+    passed = np.zeros(len(skin.points), dtype=bool)
+    for region in sorted(regions, key=lambda region: -len(region.members)):
+        if passed[region.members].mean() < NEARLY:
+            kept.append(region)
+            passed[Claim.of(region, skin, WIDER * tolerance).index] = True
+    return kept
 
 
 def merged(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
@@ -81,9 +126,7 @@ def joined(one: Region, other: Region, skin: Skin, tolerance: float) -> Region |
         return None
     if isinstance(surface, Plane) and not adjacent(one, other, skin):
         return None
-    off = [
-        float(np.median(np.abs(surface.distance(skin.points[region.members])))) for region in (one, other)
-    ]
+    off = [float(np.median(np.abs(surface.distance(skin.points[region.members])))) for region in (one, other)]
     return Region(surface, members, one.score + other.score) if max(off) <= 0.5 * tolerance else None
 
 

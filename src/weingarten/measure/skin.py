@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
 from weingarten.measure.surface import Points, Values, directions
+from weingarten.scan.noise import noise_of
 
 NEIGHBOURS = 12
 TURN = np.cos(np.radians(60.0))
@@ -19,6 +20,9 @@ TURN = np.cos(np.radians(60.0))
 FAR = 4.0
 """Times the median distance to the farthest neighbour: beyond, points are no neighbours."""
 
+RIPPLE, SLOPE = 6e-4, 0.1
+"""How far a field's surface is from the true one, root mean square, unit lengths; and the least ‖∇f‖ believed."""
+
 Indices = Int64[np.ndarray, " m"]
 Mask = Bool[np.ndarray, " n"]
 
@@ -26,6 +30,11 @@ Mask = Bool[np.ndarray, " n"]
 @runtime_checkable
 class Sampled(Protocol):
     """A field at n world points, as `weingarten.world_field.FieldSample`."""
+
+    @property
+    def distance(self) -> Values:
+        """Signed, negative inside, world units."""
+        ...
 
     @property
     def gradient(self) -> Points:
@@ -43,16 +52,21 @@ WorldFunction = Callable[[Points], Sampled]
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """In the unit frame. neighbours: of every point, the point itself in place of those it has not.
+    """In the unit frame.
 
-    spacing: median distance from a point to the next. rough: by how much curvature changes from a point to its
+    points: of the cloud. places: the same, moved by −t f/‖∇f‖ along the normal, with t = σ²/(σ² + RIPPLE²) and σ the
+    noise: to the field's surface where that is the more certain. noise: σ. neighbours: of every point, the point itself in place of those it has not.
+
+    curvatures: medians over neighbours. spacing: median distance from a point to the next. rough: by how much curvature changes from a point to its
     neighbours, times the spacing: the least where a surface is well within one primitive.
     """
 
     points: Points
+    places: Points
     normals: Points
     curvatures: Float64[np.ndarray, "n 2"]
     neighbours: Int64[np.ndarray, "n k"]
+    noise: float
     spacing: float
     rough: Values
 
@@ -60,22 +74,29 @@ class Skin:
     def of(cls, points: Points, field: WorldFunction, frame: Frame) -> "Skin":
         """Of points in world units."""
         sample = field(points)
-        normals = directions(np.asarray(sample.gradient, dtype=np.float64))
+        gradient = np.asarray(sample.gradient, dtype=np.float64)
+        normals = directions(gradient)
         curvatures = np.asarray(sample.curvatures, dtype=np.float64) * frame.scale
         unit = frame.to_unit(points)
         count = min(NEIGHBOURS + 1, len(points))
-        distance, near = KDTree(unit).query(unit, k=count, workers=-1)
+        tree = KDTree(unit)
+        noise = noise_of(unit, tree).level
+        away = np.asarray(sample.distance, dtype=np.float64) / frame.scale
+        away = (away / np.maximum(np.linalg.norm(gradient, axis=1), SLOPE)).clip(-4.0 * noise, 4.0 * noise)
+        places = unit - (noise**2 / (noise**2 + RIPPLE**2) * away)[:, None] * normals
+        distance, near = tree.query(unit, k=count, workers=-1)
         spacing = float(np.median(distance[:, 1]))
         alike = np.einsum("nd,nkd->nk", normals, normals[near]) > TURN
         close = distance <= FAR * np.median(distance[:, -1])
         near = np.where(alike & close, near, np.arange(len(points))[:, None])
         change = np.abs(curvatures[near] - curvatures[:, None]).sum(axis=2).mean(axis=1)
+        curvatures = np.median(curvatures[near], axis=1)
         rough = spacing * np.maximum(change, np.median(change[near], axis=1))
-        return cls(unit, normals, curvatures, near.astype(np.int64), spacing, rough)
+        return cls(unit, places, normals, curvatures, near.astype(np.int64), noise, spacing, rough)
 
     def patch(self, chosen: Indices) -> Patch:
-        """Some of its points."""
-        return Patch(self.points[chosen], self.normals[chosen], self.curvatures[chosen])
+        """Some of its points, where they are the most certain."""
+        return Patch(self.places[chosen], self.normals[chosen], self.curvatures[chosen])
 
     def connected(self, allowed: Mask, start: Indices, most: int | None = None) -> Indices:
         """The allowed points that are reached from some points over neighbours, at least `most` if there are."""

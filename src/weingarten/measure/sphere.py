@@ -7,7 +7,7 @@ import numpy as np
 
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
-from weingarten.measure.surface import Points, Step, Values, Vector, ball, directions
+from weingarten.measure.surface import Pairs, Points, Step, Values, Vector, ball, directions
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,10 @@ class Sphere:
     def normals(self, points: Points) -> Points:
         """Away from the centre."""
         return directions(points - self.position)
+
+    def curvatures(self, points: Points) -> Pairs:
+        """1/r, 1/r."""
+        return np.full((len(points), 2), 1.0 / self.radius)
 
     def moved(self, step: Step) -> Self:
         """Shifted, and larger."""

@@ -16,6 +16,7 @@ from weingarten.measure.patch import Patch
 Points = Float64[np.ndarray, "n 3"]
 Vector = Float64[np.ndarray, " 3"]
 Values = Float64[np.ndarray, " n"]
+Pairs = Float64[np.ndarray, "n 2"]
 Step = Float64[np.ndarray, " p"]
 
 
@@ -37,6 +38,10 @@ class Surface(Protocol):
 
     def normals(self, points: Points) -> Points:
         """Gradient of the distance: away from axis or centre."""
+        ...
+
+    def curvatures(self, points: Points) -> Pairs:
+        """κ₁ ≤ κ₂ at points on it, positive where it is convex, one over length."""
         ...
 
     def moved(self, step: Step) -> Self:

@@ -8,8 +8,8 @@ import numpy as np
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
 from weingarten.measure.patch import Patch
-from weingarten.measure.surface import Points, Step, Values, ball, unit
 from weingarten.measure.reach import swept
+from weingarten.measure.surface import Pairs, Points, Step, Values, ball, unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +71,11 @@ class Torus:
         length = np.maximum(np.hypot(rho, rise), 1e-300)
         outward = self.axis.outward(points)
         return (rho / length)[:, None] * outward + (rise / length)[:, None] * self.axis.direction
+
+    def curvatures(self, points: Points) -> Pairs:
+        """(ρ − R)/(r ρ) around the ring and 1/r around the tube."""
+        rho = np.maximum(self.axis.distance(points), 1e-9)
+        return np.column_stack([(rho - self.major) / (self.minor * rho), np.full(len(rho), 1.0 / self.minor)])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by three lengths, and larger in both radii."""
