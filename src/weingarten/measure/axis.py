@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.surface import Points, Values, Vector, across, directions, unit
@@ -42,6 +43,16 @@ class Axis:
     def flat(self, points: Points) -> Points:
         """Coordinates in the frame of the line: two across, z."""
         return (points - self.position) @ np.stack([*across(self.direction), self.direction], axis=1)
+
+    def slopes(self, points: Points, normals: Points) -> Float64[np.ndarray, "n 5"]:
+        """How distances from a surface about it change with the tilts and shifts of `moved`.
+
+        A tilt towards e is a turn ω = a × e about the position: −ω·((p − position) × n); a shift is −e·n.
+        """
+        first, second = across(self.direction)
+        turns = np.stack([np.cross(self.direction, first), np.cross(self.direction, second)], axis=1)
+        shifts = np.stack([first, second, self.direction], axis=1)
+        return -np.column_stack([np.cross(points - self.position, normals) @ turns, normals @ shifts])
 
     def moved(self, tilt: Points | Vector, shift: Vector) -> Self:
         """Tilted by two small angles, and shifted by two lengths across and one along it."""

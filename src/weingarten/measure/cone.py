@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
@@ -64,6 +65,13 @@ class Cone:
         """0, cos α / ρ."""
         bent = math.cos(self.half_angle) / np.maximum(self.axis.distance(points), 1e-9)
         return np.column_stack([np.zeros(len(points)), bent])
+
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """By the axis' tilts and shifts; by the radius, −cos α; by α, −(ρ − r) sin α − z cos α."""
+        cos, sin = math.cos(self.half_angle), math.sin(self.half_angle)
+        moves = self.axis.slopes(points, self.normals(points))
+        wider = -(self.axis.distance(points) - self.radius) * sin - self.axis.height(points) * cos
+        return np.column_stack([moves[:, :4], np.full(len(points), -cos), wider])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by two lengths, larger, and wider."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
@@ -41,6 +42,11 @@ class Cylinder:
     def curvatures(self, points: Points) -> Pairs:
         """0, 1/r."""
         return np.tile([0.0, 1.0 / self.radius], (len(points), 1))
+
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """By the axis' tilts and shifts; by the radius, −1."""
+        moves = self.axis.slopes(points, self.normals(points))
+        return np.column_stack([moves[:, :4], np.full(len(points), -1.0)])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by two lengths, and larger."""

@@ -17,6 +17,9 @@ from weingarten.measure.torus import Torus
 KINDS: tuple[type[Surface], ...] = (Plane, Cylinder, Sphere, Cone, Torus)
 """The simplest first."""
 
+NARROW = KINDS[:2]
+"""Those that are looked for where the field rounds all of a surface, and its curvatures tell nothing."""
+
 FACING = np.cos(np.radians(30.0))
 """Normals of a point and of its surface differ by no more while it grows."""
 
@@ -34,6 +37,9 @@ GROWTHS, GROWN = 8, 1.02
 
 SOME = 400
 """Points that are enough to fit a growing surface to."""
+
+EXPLAINED = 0.4
+"""Share of a patch that a surface fitted to it has to explain."""
 
 SUFFICES = 0.9
 """A kind explains points as well as another if its score is at least so large a share of the other's."""
@@ -78,8 +84,9 @@ def bent_alike(
     one: Float64[np.ndarray, "n 2"], other: Float64[np.ndarray, "#n 2"], spacing: float, slack: float
 ) -> Mask:
     """Whether curvatures differ by at most BEND of the other's greater, or FLAT over the spacing, times the slack."""
-    change = np.abs(one - other).max(axis=1)
-    return change <= slack * np.maximum(BEND * np.abs(other).max(axis=1), FLAT / spacing)
+    change = np.maximum(np.abs(one[:, 0] - other[:, 0]), np.abs(one[:, 1] - other[:, 1]))
+    bend = np.maximum(np.abs(other[:, 0]), np.abs(other[:, 1]))
+    return change <= slack * np.maximum(BEND * bend, FLAT / spacing)
 
 
 def score(surface: Surface, members: Indices, skin: Skin, tolerance: float) -> float:
@@ -102,7 +109,7 @@ def grown(
             break
         surface = better
         mask = lies_on(surface, skin, tolerance, slack, free)
-        if best is None and np.count_nonzero(mask[patch]) < 0.5 * len(patch):
+        if best is None and np.count_nonzero(mask[patch]) < EXPLAINED * len(patch):
             return None
         found = skin.connected(mask, patch)
         region = Region(surface, found, score(surface, found, skin, tolerance))
@@ -118,14 +125,14 @@ def grown(
 def explained(patch: Indices, skin: Skin, tolerance: float, slack: float, free: Mask) -> Region | None:
     """The simplest kind that explains about as many points around a patch as any does."""
     found = []
-    for kind in KINDS:
+    for kind in KINDS if np.isfinite(slack) else NARROW:
         grown_ones = [
             grown(guess, patch, skin, tolerance, slack, free) for guess in kind.guesses(skin.patch(patch))
         ]
         regions = [region for region in grown_ones if region is not None]
         if regions:
             found.append(max(regions, key=lambda region: region.score))
-        if found and kind is Plane and certain(found[0], skin, tolerance):
+        if regions and certain(found[-1], skin, tolerance):
             break
     best = max((region.score for region in found), default=0.0)
     if best <= 0.0:

@@ -4,11 +4,36 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
 from weingarten.measure.reach import beyond
-from weingarten.measure.surface import Pairs, Points, Step, Values, Vector, across, unit
+from weingarten.measure.surface import Pairs, Points, Step, Values, Vector, across, directions, unit
+from weingarten.scan.sampling import generator
+
+TRIPLES, SHARE, STREAM = 100, 0.4, 11
+"""Planes that are tried, and the share of the points that has to be near."""
+
+
+def least_squares(points: Points) -> tuple[Vector, Vector]:
+    """Position and normal of the plane of least squares."""
+    mean = points.mean(axis=0)
+    return mean, np.linalg.eigh((points - mean).T @ (points - mean))[1][:, 0]
+
+
+def consensus(points: Points) -> tuple[Vector, Vector]:
+    """Position and normal of the plane through three of the points to which SHARE of all are the nearest.
+
+    Where other surfaces begin within the patch, that is the one which is not pulled aside by them.
+    """
+    chosen = generator((len(points), STREAM)).integers(0, len(points), (TRIPLES, 3))
+    a, b, c = points[chosen].transpose(1, 0, 2)
+    normals = directions(np.cross(b - a, c - a))
+    distance = np.abs(np.einsum("td,tnd->tn", normals, points[None] - a[:, None]))
+    width = np.quantile(distance, SHARE, axis=1)
+    best = int(np.argmin(np.where(np.linalg.norm(normals, axis=1) > 0.5, width, np.inf)))
+    return a[best], normals[best]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +48,13 @@ class Plane:
 
     @classmethod
     def guesses(cls, patch: Patch) -> list[Self]:
-        """That of least squares, its normal where the patch's point to."""
-        mean = patch.points.mean(axis=0)
-        normal = np.linalg.eigh((patch.points - mean).T @ (patch.points - mean))[1][:, 0]
-        return [cls(mean, normal if patch.normals.mean(axis=0) @ normal >= 0 else -normal)]
+        """That of least squares, and that through three points which most others are the nearest to."""
+        return [cls.facing(patch, *found) for found in (least_squares(patch.points), consensus(patch.points))]
+
+    @classmethod
+    def facing(cls, patch: Patch, position: Vector, normal: Vector) -> Self:
+        """A plane whose normal points to where the patch's do."""
+        return cls(position, normal if patch.normals.mean(axis=0) @ normal >= 0 else -normal)
 
     def distance(self, points: Points) -> Values:
         """The signed distance."""
@@ -39,6 +67,11 @@ class Plane:
     def curvatures(self, points: Points) -> Pairs:
         """0, 0."""
         return np.zeros((len(points), 2))
+
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """By the tilts, e·(x − position); by the shift, −1."""
+        tilts = (points - self.position) @ np.stack(across(self.normal), axis=1)
+        return np.column_stack([tilts, np.full(len(points), -1.0)])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, and shifted."""

@@ -12,6 +12,9 @@ PATCHES = ((48, 1.0), (20, 1.0), (20, np.inf))
 
 Fewer points, and any curvature, where a surface is so narrow that the field rounds all of it."""
 
+MOST_FAILURES = 150
+"""Patches that no primitive explains, one after the other or not, after which the rest is free-form."""
+
 FEWEST, FEWEST_NOISY = 4, 12
 """A region has at least so many points for every degree of freedom; and where points are noisy."""
 
@@ -26,10 +29,12 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
     free, found = np.ones(len(skin.points), dtype=bool), []
     order = np.argsort(skin.rough, kind="stable")
     for size, slack in PATCHES:
-        tried = np.zeros(len(free), dtype=bool)
+        tried, failures = np.zeros(len(free), dtype=bool), 0
         for seed in order:
             if not free[seed] or tried[seed]:
                 continue
+            if failures == MOST_FAILURES:
+                break
             patch = around(int(seed), skin, free, size, slack)
             tried[seed] = True
             if len(patch) < size / 2:
@@ -37,6 +42,7 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
             region = explained(patch, skin, tolerance, slack, free)
             if region is None or len(region.members) < fewest(region.surface, skin):
                 tried[patch] = True
+                failures += 1
                 continue
             found.append(region)
             free[region.members] = False

@@ -1,7 +1,6 @@
 """Regions fitted to the points that are nearest to them, and those of one surface put together."""
 
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
@@ -88,6 +87,7 @@ def refitted(region: Region, skin: Skin, tolerance: float, sole: Mask) -> Region
 def needed(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
     """Without those whose points are nearly all on the surfaces of larger ones beside them too."""
     kept: list[Region] = []
+    regions = [region for region in regions if len(region.members)]
     passed = np.zeros(len(skin.points), dtype=bool)
     for region in sorted(regions, key=lambda region: -len(region.members)):
         if passed[region.members].mean() < NEARLY:
@@ -97,26 +97,30 @@ def needed(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
 
 
 def merged(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
-    """With those put together that lie on one surface and face the same way. Separate flat faces stay so."""
-    regions = sorted(regions, key=lambda region: -len(region.members))
-    changed = True
-    while changed:
-        changed = False
-        for one, other in combinations(range(len(regions)), 2):
-            both = joined(regions[one], regions[other], skin, tolerance)
+    """With those put together that lie on one surface and face the same way. Separate flat faces stay so.
+
+    The larger first: each is joined to the first of the larger ones that it fits.
+    """
+    kept: list[Region] = []
+    for region in sorted(regions, key=lambda region: -len(region.members)):
+        for number, larger in enumerate(kept):
+            both = joined(larger, region, skin, tolerance)
             if both is not None:
-                regions = [both, *(r for n, r in enumerate(regions) if n not in (one, other))]
-                changed = True
+                kept[number] = both
                 break
-    return regions
+        else:
+            kept.append(region)
+    return kept
 
 
 def joined(one: Region, other: Region, skin: Skin, tolerance: float) -> Region | None:
     """Both as one region; None where they are of different surfaces."""
-    if one.surface.KIND != other.surface.KIND or facing(one, skin) != facing(other, skin):
+    if one.surface.KIND != other.surface.KIND:
         return None
     theirs = skin.points[some(other.members)]
     if np.median(np.abs(one.surface.distance(theirs))) > 3.0 * tolerance:
+        return None
+    if facing(one, skin) != facing(other, skin):
         return None
     members = np.concatenate([one.members, other.members])
     half = min(len(one.members), len(other.members))

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.patch import Patch
@@ -37,6 +38,10 @@ class Sphere:
     def curvatures(self, points: Points) -> Pairs:
         """1/r, 1/r."""
         return np.full((len(points), 2), 1.0 / self.radius)
+
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """By the shifts, −n; by the radius, −1."""
+        return np.column_stack([-self.normals(points), np.full(len(points), -1.0)])
 
     def moved(self, step: Step) -> Self:
         """Shifted, and larger."""

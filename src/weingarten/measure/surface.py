@@ -44,6 +44,10 @@ class Surface(Protocol):
         """κ₁ ≤ κ₂ at points on it, positive where it is convex, one over length."""
         ...
 
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """Derivatives of the distance by a step of `moved`, at no step."""
+        ...
+
     def moved(self, step: Step) -> Self:
         """A surface nearby."""
         ...

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
+from jaxtyping import Float64
 
 from weingarten.frame import Frame
 from weingarten.measure.axis import Axis
@@ -76,6 +77,12 @@ class Torus:
         """(ρ − R)/(r ρ) around the ring and 1/r around the tube."""
         rho = np.maximum(self.axis.distance(points), 1e-9)
         return np.column_stack([(rho - self.major) / (self.minor * rho), np.full(len(rho), 1.0 / self.minor)])
+
+    def slopes(self, points: Points) -> Float64[np.ndarray, "n p"]:
+        """By the axis' tilts and shifts; by R, −n·(outward); by r, −1."""
+        normals = self.normals(points)
+        ring = -np.einsum("nd,nd->n", normals, self.axis.outward(points))
+        return np.column_stack([self.axis.slopes(points, normals), ring, np.full(len(points), -1.0)])
 
     def moved(self, step: Step) -> Self:
         """Tilted by two angles, shifted by three lengths, and larger in both radii."""
