@@ -26,7 +26,7 @@ from weingarten.io.mesh import read_mesh
 from weingarten.measure.axis import Axis
 from weingarten.measure.cone import Cone
 from weingarten.measure.cylinder import Cylinder
-from weingarten.measure.measurement import Measurement, measure
+from weingarten.measure.measurement import Measurement, measurement
 from weingarten.measure.plane import Plane
 from weingarten.measure.primitive import Primitive
 from weingarten.measure.sphere import Sphere
@@ -168,7 +168,7 @@ def measured(name: str, noise: float, out: Path) -> tuple[Measurement, float]:
     checkpoint, points = opened(folder)
     mesh, world = read_mesh(folder / "mesh.ply"), WorldField.of(checkpoint, chosen_device("cpu"))
     started = time.perf_counter()
-    return measure(mesh, world, points), time.perf_counter() - started
+    return measurement(mesh, world, points), time.perf_counter() - started
 
 
 def cells(name: str, noise: float, row: Row) -> list[str]:

@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.fit.run_folder import opened
         from weingarten.measure.files import write_json, write_measurement
         from weingarten.measure.listing import listing
-        from weingarten.measure.measurement import measure
+        from weingarten.measure.measurement import measurement
         from weingarten.world_field import WorldField
 
     folder = arguments.folder
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         steps = f"{checkpoint.step} of {checkpoint.origin.settings.steps}"
         sys.stderr.write(f"Note: The fit is unfinished, at step {steps}; its sizes may be off.\n")
     field = WorldField.of(checkpoint, chosen_device(arguments.device))
-    found = measure(mesh, field, points)
+    found = measurement(mesh, field, points)
     write_measurement(folder, found)
     if arguments.output is not None:
         write_json(arguments.output, found)

@@ -1,13 +1,12 @@
 """The axis of a surface of revolution."""
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from jaxtyping import Float64
 
 from weingarten.frame import Frame
-from weingarten.measure.surface import Points, Values, Vector, across, directions, unit
+from weingarten.measure.surface import Points, Step, Values, Vector, across, directions, unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,22 +53,22 @@ class Axis:
         shifts = np.stack([first, second, self.direction], axis=1)
         return -np.column_stack([np.cross(points - self.position, normals) @ turns, normals @ shifts])
 
-    def moved(self, tilt: Points | Vector, shift: Vector) -> Self:
+    def moved(self, tilt: Step, shift: Vector) -> "Axis":
         """Tilted by two small angles, and shifted by two lengths across and one along it."""
         first, second = across(self.direction)
         position = self.position + shift[0] * first + shift[1] * second + shift[2] * self.direction
-        return type(self)(position, unit(self.direction + tilt[0] * first + tilt[1] * second))
+        return Axis(position, unit(self.direction + tilt[0] * first + tilt[1] * second))
 
-    def at(self, height: float) -> Self:
+    def at(self, height: float) -> "Axis":
         """The same line from another position on it."""
-        return type(self)(self.position + height * self.direction, self.direction)
+        return Axis(self.position + height * self.direction, self.direction)
 
     @property
-    def upward(self) -> Self:
+    def upward(self) -> "Axis":
         """The same line, its direction's largest component positive."""
         sign = 1.0 if self.direction[np.argmax(np.abs(self.direction))] > 0.0 else -1.0
-        return type(self)(self.position, sign * self.direction)
+        return Axis(self.position, sign * self.direction)
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Axis":
         """From the unit frame to the world."""
-        return type(self)(frame.to_world(self.position[None])[0], self.direction)
+        return Axis(frame.to_world(self.position[None])[0], self.direction)

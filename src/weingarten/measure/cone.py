@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -29,7 +29,7 @@ class Cone:
     FREEDOM: ClassVar[int] = 6
 
     @classmethod
-    def guesses(cls, patch: Patch) -> list[Self]:
+    def guesses(cls, patch: Patch) -> "list[Cone]":
         """That to whose axis all normals are the most nearly at the same angle, and in whose apex planes meet."""
         turned = patch.normals - patch.normals.mean(axis=0)
         direction = np.linalg.eigh(turned.T @ turned)[1][:, 0]
@@ -73,22 +73,22 @@ class Cone:
         wider = -(self.axis.distance(points) - self.radius) * sin - self.axis.height(points) * cos
         return np.column_stack([moves[:, :4], np.full(len(points), -cos), wider])
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Cone":
         """Tilted by two angles, shifted by two lengths, larger, and wider."""
         axis = self.axis.moved(step[:2], np.array([step[2], step[3], 0.0]))
-        cone = type(self)(axis, self.radius + float(step[4]), self.half_angle + float(step[5]))
+        cone = Cone(axis, self.radius + float(step[4]), self.half_angle + float(step[5]))
         return cone if cone.half_angle >= 0.0 else cone.reversed
 
     @property
-    def reversed(self) -> Self:
+    def reversed(self) -> "Cone":
         """The same cone, its axis the other way."""
-        return type(self)(Axis(self.axis.position, -self.axis.direction), self.radius, -self.half_angle)
+        return Cone(Axis(self.axis.position, -self.axis.direction), self.radius, -self.half_angle)
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Cone":
         """Its position at the mean height of the points."""
         height = float(self.axis.height(points).mean())
         radius = self.radius + height * math.tan(self.half_angle)
-        return type(self)(self.axis.at(height), radius, self.half_angle)
+        return Cone(self.axis.at(height), radius, self.half_angle)
 
     def geometry(self) -> dict[str, Any]:
         """Its half angle, apex, and its axis away from there."""
@@ -110,9 +110,9 @@ class Cone:
             "largest_radius": ends[1],
         }
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Cone":
         """From the unit frame to the world."""
-        return type(self)(self.axis.placed(frame), self.radius * frame.scale, self.half_angle)
+        return Cone(self.axis.placed(frame), self.radius * frame.scale, self.half_angle)
 
     def sensible(self, reach: float) -> bool:
         """Whether it is neither as good as flat nor as good as a cylinder."""

@@ -1,7 +1,7 @@
 """Cylinders."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -24,7 +24,7 @@ class Cylinder:
     FREEDOM: ClassVar[int] = 5
 
     @classmethod
-    def guesses(cls, patch: Patch) -> list[Self]:
+    def guesses(cls, patch: Patch) -> "list[Cylinder]":
         """That whose axis is the most nearly at right angles to all normals."""
         direction = np.linalg.eigh(patch.normals.T @ patch.normals)[1][:, 0]
         basis, mean = np.stack(across(direction), axis=1), patch.points.mean(axis=0)
@@ -48,14 +48,14 @@ class Cylinder:
         moves = self.axis.slopes(points, self.normals(points))
         return np.column_stack([moves[:, :4], np.full(len(points), -1.0)])
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Cylinder":
         """Tilted by two angles, shifted by two lengths, and larger."""
         axis = self.axis.moved(step[:2], np.array([step[2], step[3], 0.0]))
-        return type(self)(axis, self.radius + float(step[4]))
+        return Cylinder(axis, self.radius + float(step[4]))
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Cylinder":
         """Its position at the mean height of the points."""
-        return type(self)(self.axis.at(float(self.axis.height(points).mean())), self.radius)
+        return Cylinder(self.axis.at(float(self.axis.height(points).mean())), self.radius)
 
     def geometry(self) -> dict[str, Any]:
         """Its radius, a position on its axis, and the axis."""
@@ -67,9 +67,9 @@ class Cylinder:
         angle, full = swept(self.axis.angle(points))
         return {"height": spanned(self.axis.height(points)), "angle": angle, "full": full}
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Cylinder":
         """From the unit frame to the world."""
-        return type(self)(self.axis.placed(frame), self.radius * frame.scale)
+        return Cylinder(self.axis.placed(frame), self.radius * frame.scale)
 
     def sensible(self, reach: float) -> bool:
         """Whether it is not as good as flat."""

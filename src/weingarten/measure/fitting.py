@@ -1,12 +1,8 @@
 """Orthogonal least squares on points, with those left out that are none of the surface's."""
 
-from typing import TypeVar
-
 import numpy as np
 
 from weingarten.measure.surface import Points, Surface
-
-AnySurface = TypeVar("AnySurface", bound=Surface)
 
 ROUNDS, FAR = 4, 4.5
 """Points further from a surface than FAR times the median distance are left out of the next round."""
@@ -18,7 +14,7 @@ DAMPING, MOST_DAMPING, SINGULAR = 1e-3, 1e6, 1e-12
 """λ at first and in the end, and what is as good as zero in the normal equations."""
 
 
-def fitted(surface: AnySurface, points: Points, floor: float, rounds: int = ROUNDS) -> AnySurface | None:
+def fitted(surface: Surface, points: Points, floor: float, rounds: int = ROUNDS) -> Surface | None:
     """min Σ d² over the points that are near, from a surface that is nearly right; None where that fails.
 
     floor: distance within which no point is left out.
@@ -35,7 +31,7 @@ def fitted(surface: AnySurface, points: Points, floor: float, rounds: int = ROUN
     return surface
 
 
-def least(surface: AnySurface, points: Points) -> AnySurface | None:
+def least(surface: Surface, points: Points) -> Surface | None:
     """min Σ d² over all points: Gauss and Newton's steps, damped as Levenberg and Marquardt do.
 
     Every step is taken in coordinates about the surface that the last one led to, so that no direction of an axis

@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from weingarten.measure.cone import Cone
 from weingarten.measure.cylinder import Cylinder
-from weingarten.measure.fitting import fitted
+from weingarten.measure.fitting import ROUNDS, fitted
 from weingarten.measure.plane import Plane
 from weingarten.measure.skin import Indices, Mask, Skin
 from weingarten.measure.sphere import Sphere
@@ -34,6 +34,9 @@ BEND, FLAT = 0.4, 0.05
 
 GROWTHS, GROWN = 8, 1.02
 """How often a surface is fitted again while it grows, and by what factor it has to."""
+
+FIRST_ROUNDS = 2
+"""Of fitting to a patch, before it is known whether there is anything to it."""
 
 SOME = 400
 """Points that are enough to fit a growing surface to."""
@@ -72,7 +75,7 @@ def lies_on(surface: Surface, skin: Skin, tolerance: float, slack: float, free: 
     index = index[np.abs(surface.distance(skin.places[index])) <= tolerance]
     points = skin.places[index]
     facing = np.einsum("nd,nd->n", surface.normals(points), skin.normals[index])
-    side = 1.0 if np.median(facing, axis=0) > 0.0 else -1.0
+    side = 1.0 if facing.sum() > 0.0 else -1.0
     bend = np.sort(side * surface.curvatures(points), axis=1)
     alike = bent_alike(skin.curvatures[index], bend, skin.spacing, slack)
     mask = np.zeros(len(free), dtype=bool)
@@ -104,7 +107,8 @@ def grown(
     """A guess fitted to its patch and grown as far as it goes; None where it does not even explain that."""
     members, best = patch, None
     for _ in range(GROWTHS):
-        better = fitted(surface, skin.places[some(members)], 0.1 * tolerance)
+        rounds = FIRST_ROUNDS if best is None else ROUNDS
+        better = fitted(surface, skin.places[some(members)], 0.1 * tolerance, rounds)
         if better is None or not better.sensible(1.0):
             break
         surface = better

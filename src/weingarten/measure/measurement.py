@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from weingarten.frame import Frame
+from weingarten.measure.free_form import free_patches
 from weingarten.measure.growing import Region
 from weingarten.measure.labels import NONE, Labels, label_areas, labelled
 from weingarten.measure.plane import Plane
@@ -30,7 +31,8 @@ class Measurement:
     """What there is on a part; lengths in its cloud's unit.
 
     primitives: the largest first. labels: of every vertex of the mesh, the number of its primitive, or −1 where
-    it is free-form. free_area, area: of the free-form surface, and of all. noise: standard deviation of the
+    it is free-form. free_area, area: of the free-form surface, and of all;
+    free_patches: its larger pieces (`free_patches`). noise: standard deviation of the
     points from their surface, 0 where none is certain. tolerance: how near points are to a surface that
     they count as on it.
     """
@@ -38,6 +40,7 @@ class Measurement:
     primitives: tuple[Primitive, ...]
     labels: Labels
     free_area: float
+    free_patches: tuple[dict[str, Any], ...]
     area: float
     noise: float
     tolerance: float
@@ -52,7 +55,11 @@ class Measurement:
         rows = [{"number": n, **primitive.as_dict()} for n, primitive in enumerate(self.primitives)]
         return {
             "primitives": rows,
-            "free_form": {"area": self.free_area, "share": self.free_share},
+            "free_form": {
+                "area": self.free_area,
+                "share": self.free_share,
+                "patches": list(self.free_patches),
+            },
             "area": self.area,
             "noise": self.noise,
             "tolerance": self.tolerance,
@@ -60,7 +67,7 @@ class Measurement:
         }
 
 
-def measure(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
+def measurement(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
     """The planes, cylinders, cones, spheres and tori that a fitted part is made of.
 
     mesh: of the part. field: callable on (n, 3) points, as `WorldField`. points: of the cloud that it was
@@ -85,7 +92,9 @@ def measure(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement:
     whole = float(mesh.areas.sum())
     found = [primitive(regions[k], skin, frame, float(areas[n]), whole) for n, k in enumerate(order)]
     near = tolerance * frame.scale
-    return Measurement(related(found, near), labels, free, whole, skin.noise * frame.scale, near)
+    return Measurement(
+        related(found, near), labels, free, free_patches(mesh, labels), whole, skin.noise * frame.scale, near
+    )
 
 
 def primitive(region: Region, skin: Skin, frame: Frame, area: float, whole: float) -> Primitive:

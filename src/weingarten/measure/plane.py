@@ -1,7 +1,7 @@
 """Planes."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -47,12 +47,12 @@ class Plane:
     FREEDOM: ClassVar[int] = 3
 
     @classmethod
-    def guesses(cls, patch: Patch) -> list[Self]:
+    def guesses(cls, patch: Patch) -> "list[Plane]":
         """That of least squares, and that through three points which most others are the nearest to."""
         return [cls.facing(patch, *found) for found in (least_squares(patch.points), consensus(patch.points))]
 
     @classmethod
-    def facing(cls, patch: Patch, position: Vector, normal: Vector) -> Self:
+    def facing(cls, patch: Patch, position: Vector, normal: Vector) -> "Plane":
         """A plane whose normal points to where the patch's do."""
         return cls(position, normal if patch.normals.mean(axis=0) @ normal >= 0 else -normal)
 
@@ -73,21 +73,21 @@ class Plane:
         tilts = (points - self.position) @ np.stack(across(self.normal), axis=1)
         return np.column_stack([tilts, np.full(len(points), -1.0)])
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Plane":
         """Tilted by two angles, and shifted."""
         first, second = across(self.normal)
         normal = unit(self.normal + step[0] * first + step[1] * second)
-        return type(self)(self.position + step[2] * self.normal, normal)
+        return Plane(self.position + step[2] * self.normal, normal)
 
     @property
-    def turned(self) -> Self:
+    def turned(self) -> "Plane":
         """The same plane, its normal the other way."""
-        return type(self)(self.position, -self.normal)
+        return Plane(self.position, -self.normal)
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Plane":
         """Its position under the mean of the points."""
         mean = points.mean(axis=0)
-        return type(self)(mean - ((mean - self.position) @ self.normal) * self.normal, self.normal)
+        return Plane(mean - ((mean - self.position) @ self.normal) * self.normal, self.normal)
 
     def geometry(self) -> dict[str, Any]:
         """Its outward normal, and a position on it."""
@@ -102,9 +102,9 @@ class Plane:
         width, length = sorted(float(side) * beyond(len(flat)) for side in oriented_bounds_2D(flat)[1])
         return {"length": length, "width": width}
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Plane":
         """From the unit frame to the world."""
-        return type(self)(frame.to_world(self.position[None])[0], self.normal)
+        return Plane(frame.to_world(self.position[None])[0], self.normal)
 
     def sensible(self, reach: float) -> bool:
         """Always."""

@@ -12,7 +12,7 @@ PATCHES = ((48, 1.0), (20, 1.0), (20, np.inf))
 
 Fewer points, and any curvature, where a surface is so narrow that the field rounds all of it."""
 
-MOST_FAILURES = 150
+MOST_FAILURES = 80
 """Patches that no primitive explains, one after the other or not, after which the rest is free-form."""
 
 FEWEST, FEWEST_NOISY = 4, 12

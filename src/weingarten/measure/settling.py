@@ -138,7 +138,7 @@ def adjacent(one: Region, other: Region, skin: Skin) -> bool:
     """Whether points of one region are neighbours of the other's."""
     first, second = (np.zeros(len(skin.points), dtype=bool) for _ in range(2))
     first[one.members], second[other.members] = True, True
-    return bool((skin.beside(first, 1) & second).any())
+    return bool((skin.beside(first, STEPS) & second).any())
 
 
 def facing(region: Region, skin: Skin) -> bool:

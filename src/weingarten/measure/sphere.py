@@ -1,7 +1,7 @@
 """Spheres."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -22,7 +22,7 @@ class Sphere:
     FREEDOM: ClassVar[int] = 4
 
     @classmethod
-    def guesses(cls, patch: Patch) -> list[Self]:
+    def guesses(cls, patch: Patch) -> "list[Sphere]":
         """That on which the patch's normals stand."""
         centre, radius = ball(patch.points, patch.normals)
         return [cls(centre, abs(radius))]
@@ -43,11 +43,11 @@ class Sphere:
         """By the shifts, −n; by the radius, −1."""
         return np.column_stack([-self.normals(points), np.full(len(points), -1.0)])
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Sphere":
         """Shifted, and larger."""
-        return type(self)(self.position + step[:3], self.radius + float(step[3]))
+        return Sphere(self.position + step[:3], self.radius + float(step[3]))
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Sphere":
         """As it is."""
         return self
 
@@ -59,9 +59,9 @@ class Sphere:
         """The share of the whole sphere that is there."""
         return {"coverage": min(1.0, area / (4.0 * np.pi * self.radius**2))}
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Sphere":
         """From the unit frame to the world."""
-        return type(self)(frame.to_world(self.position[None])[0], self.radius * frame.scale)
+        return Sphere(frame.to_world(self.position[None])[0], self.radius * frame.scale)
 
     def sensible(self, reach: float) -> bool:
         """Whether it is not as good as flat."""

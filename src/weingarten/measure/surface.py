@@ -5,7 +5,8 @@ has degrees of freedom: lengths, and angles in radians.
 """
 
 import math
-from typing import Any, ClassVar, Protocol, Self, runtime_checkable
+from collections.abc import Sequence
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -28,7 +29,7 @@ class Surface(Protocol):
     FREEDOM: ClassVar[int]
 
     @classmethod
-    def guesses(cls, patch: Patch) -> "list[Self]":
+    def guesses(cls, patch: Patch) -> Sequence["Surface"]:
         """What surface of this kind a patch may be a part of; none where it cannot be one."""
         ...
 
@@ -48,11 +49,11 @@ class Surface(Protocol):
         """Derivatives of the distance by a step of `moved`, at no step."""
         ...
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Surface":
         """A surface nearby."""
         ...
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Surface":
         """The same surface, its position where these points are."""
         ...
 
@@ -64,7 +65,7 @@ class Surface(Protocol):
         """How much of it there is, told from points on it and its area; angles in degrees."""
         ...
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Surface":
         """From the unit frame to the world."""
         ...
 

@@ -1,7 +1,7 @@
 """Tori."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 from jaxtyping import Float64
@@ -25,13 +25,13 @@ class Torus:
     FREEDOM: ClassVar[int] = 7
 
     @classmethod
-    def guesses(cls, patch: Patch) -> list[Self]:
+    def guesses(cls, patch: Patch) -> "list[Torus]":
         """By either principal curvature as the tube's, and by the axis that all normals meet."""
         found = [cls.by_tube(patch, 1.0 / k) for k in np.median(patch.curvatures, axis=0) if abs(k) > 1e-3]
         return [torus for torus in [*found, cls.by_axis(patch)] if torus is not None]
 
     @classmethod
-    def by_tube(cls, patch: Patch, radius: float) -> Self | None:
+    def by_tube(cls, patch: Patch, radius: float) -> "Torus | None":
         """The centres of the tube, p − r n, lie on a circle."""
         centres = patch.points - radius * patch.normals
         mean = centres.mean(axis=0)
@@ -43,7 +43,7 @@ class Torus:
         return cls(Axis(mean + basis[:, 1:] @ np.array([x, y]), basis[:, 0]), major, abs(radius))
 
     @classmethod
-    def by_axis(cls, patch: Patch) -> Self | None:
+    def by_axis(cls, patch: Patch) -> "Torus | None":
         """The line (a, m = c × a) with n·m + (p × n)·a = 0 for all normals; then a circle in the half-plane."""
         mean = patch.points.mean(axis=0)
         points = patch.points - mean
@@ -84,12 +84,12 @@ class Torus:
         ring = -np.einsum("nd,nd->n", normals, self.axis.outward(points))
         return np.column_stack([self.axis.slopes(points, normals), ring, np.full(len(points), -1.0)])
 
-    def moved(self, step: Step) -> Self:
+    def moved(self, step: Step) -> "Torus":
         """Tilted by two angles, shifted by three lengths, and larger in both radii."""
         axis = self.axis.moved(step[:2], step[2:5])
-        return type(self)(axis, self.major + float(step[5]), self.minor + float(step[6]))
+        return Torus(axis, self.major + float(step[5]), self.minor + float(step[6]))
 
-    def centred(self, points: Points) -> Self:
+    def centred(self, points: Points) -> "Torus":
         """As it is."""
         return self
 
@@ -109,9 +109,9 @@ class Torus:
         around = np.arctan2(self.axis.height(points), self.axis.distance(points) - self.major)
         return {"angle": angle, "full": full, "tube_angle": swept(around)[0]}
 
-    def placed(self, frame: Frame) -> Self:
+    def placed(self, frame: Frame) -> "Torus":
         """From the unit frame to the world."""
-        return type(self)(self.axis.placed(frame), self.major * frame.scale, self.minor * frame.scale)
+        return Torus(self.axis.placed(frame), self.major * frame.scale, self.minor * frame.scale)
 
     def sensible(self, reach: float) -> bool:
         """Whether it is a ring, not as good as a sphere, a cylinder or flat."""
