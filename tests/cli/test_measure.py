@@ -22,8 +22,8 @@ BALL = Part(Sphere(CENTRE, RADIUS), CENTRE, (RADIUS, RADIUS, RADIUS), 0, "a ball
 def run(tmp_path_factory) -> Path:
     """The folder of a small fit of a ball."""
     folder = tmp_path_factory.mktemp("measured") / "ball.run"
-    settings = resolve(steps=60, points=200, resolution=32)
-    reconstruct(sample_solid(BALL, 2000, 0), settings, device="cpu", run_folder=folder)
+    settings = resolve(steps=20, points=100, resolution=24)
+    reconstruct(sample_solid(BALL, 1500, 0), settings, device="cpu", run_folder=folder)
     return folder
 
 

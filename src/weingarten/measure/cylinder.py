@@ -73,4 +73,4 @@ class Cylinder:
 
     def sensible(self, reach: float) -> bool:
         """Whether it is not as good as flat."""
-        return 0.0 < self.radius < 20.0 * reach
+        return bool(0.0 < self.radius < 20.0 * reach)

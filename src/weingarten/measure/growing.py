@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from weingarten.measure.cone import Cone
 from weingarten.measure.cylinder import Cylinder
@@ -61,7 +61,7 @@ class Region:
     score: float
 
 
-def some(members: Indices, most: int = SOME) -> Indices:
+def some(members: Indices, most: int = SOME) -> Int64[np.ndarray, " s"]:
     """Evenly picked."""
     return members[:: max(1, -(-len(members) // most))]
 

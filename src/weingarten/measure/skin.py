@@ -98,7 +98,7 @@ class Skin:
         """Some of its points, where they are the most certain."""
         return Patch(self.places[chosen], self.normals[chosen], self.curvatures[chosen])
 
-    def connected(self, allowed: Mask, start: Indices, most: int | None = None) -> Indices:
+    def connected(self, allowed: Mask, start: Indices, most: int | None = None) -> Int64[np.ndarray, " r"]:
         """The allowed points that are reached from some points over neighbours, at least `most` if there are."""
         reached, front, count = np.zeros(len(allowed), dtype=bool), start[allowed[start]], 0
         while len(front):

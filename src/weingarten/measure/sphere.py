@@ -65,4 +65,4 @@ class Sphere:
 
     def sensible(self, reach: float) -> bool:
         """Whether it is not as good as flat."""
-        return 0.0 < self.radius < 20.0 * reach
+        return bool(0.0 < self.radius < 20.0 * reach)

@@ -40,7 +40,7 @@ class Torus:
         system = np.column_stack([2.0 * flat, np.ones(len(flat))])
         x, y, rest = np.linalg.lstsq(system, (flat**2).sum(axis=1), rcond=None)[0]
         major = float(np.sqrt(max(rest + x * x + y * y, 0.0)))
-        return cls(Axis(mean + basis[:, 1:] @ np.array([x, y]), basis[:, 0]), major, abs(radius))
+        return cls(Axis(mean + basis[:, 1:] @ np.array([x, y]), basis[:, 0]), major, float(abs(radius)))
 
     @classmethod
     def by_axis(cls, patch: Patch) -> "Torus | None":
@@ -115,4 +115,4 @@ class Torus:
 
     def sensible(self, reach: float) -> bool:
         """Whether it is a ring, not as good as a sphere, a cylinder or flat."""
-        return 0.0 < self.minor < self.major < 20.0 * reach and self.minor < 2.0 * reach
+        return bool(0.0 < self.minor < self.major < 20.0 * reach and self.minor < 2.0 * reach)
