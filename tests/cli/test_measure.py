@@ -20,10 +20,10 @@ BALL = Part(Sphere(CENTRE, RADIUS), CENTRE, (RADIUS, RADIUS, RADIUS), 0, "a ball
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory) -> Path:
-    """The folder of a small fit of a ball."""
+    """The folder of a small fit of a ball, with a network that begins as one."""
     folder = tmp_path_factory.mktemp("measured") / "ball.run"
-    settings = resolve(steps=20, points=100, resolution=24)
-    reconstruct(sample_solid(BALL, 1500, 0), settings, device="cpu", run_folder=folder)
+    settings = resolve(method="igr", steps=40, points=300, resolution=32)
+    reconstruct(sample_solid(BALL, 4000, 0), settings, device="cpu", run_folder=folder)
     return folder
 
 
@@ -42,8 +42,8 @@ def test_a_ball_is_a_sphere_in_json_table_and_files(run, tmp_path, capsys):
     assert (ball["number"], ball["kind"], ball["side"]) == (0, "sphere", "boss")
     assert ball["radius"] == pytest.approx(RADIUS, rel=1e-6)
     np.testing.assert_allclose(ball["position"], CENTRE, atol=1e-5)
-    assert ball["coverage"] > 0.98
-    assert found["free_form"]["share"] < 0.02
+    assert ball["coverage"] > 0.85
+    assert found["free_form"]["share"] < 0.15
     assert json.loads((run / "primitives.json").read_text()) == found
     assert json.loads((tmp_path / "copy.json").read_text()) == found
     labels = np.load(run / "labels.npy")

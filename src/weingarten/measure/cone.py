@@ -116,4 +116,6 @@ class Cone:
 
     def sensible(self, reach: float) -> bool:
         """Whether it is neither as good as flat nor as good as a cylinder."""
-        return bool(0.0 < self.radius < 20.0 * reach and math.radians(0.2) < self.half_angle < math.radians(89.0))
+        return bool(
+            0.0 < self.radius < 20.0 * reach and math.radians(0.2) < self.half_angle < math.radians(89.0)
+        )

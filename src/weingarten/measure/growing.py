@@ -1,6 +1,7 @@
 """From a few points to the whole of the surface that they are a part of."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -18,7 +19,7 @@ KINDS: tuple[type[Surface], ...] = (Plane, Cylinder, Sphere, Cone, Torus)
 """The simplest first."""
 
 NARROW = KINDS[:2]
-"""Those that are looked for where the field rounds all of a surface, and its curvatures tell nothing."""
+"""Those that few points tell, where the field says nothing."""
 
 FACING = np.cos(np.radians(30.0))
 """Normals of a point and of its surface differ by no more while it grows."""
@@ -126,10 +127,12 @@ def grown(
     return best
 
 
-def explained(patch: Indices, skin: Skin, tolerance: float, slack: float, free: Mask) -> Region | None:
+def explained(
+    patch: Indices, skin: Skin, tolerance: float, slack: float, free: Mask, kinds: tuple[Any, ...]
+) -> Region | None:
     """The simplest kind that explains about as many points around a patch as any does."""
     found = []
-    for kind in KINDS if np.isfinite(slack) else NARROW:
+    for kind in kinds:
         grown_ones = [
             grown(guess, patch, skin, tolerance, slack, free) for guess in kind.guesses(skin.patch(patch))
         ]

@@ -3,14 +3,15 @@
 import numpy as np
 from jaxtyping import Int64
 
-from weingarten.measure.growing import EDGE, Region, bent_alike, explained
+from weingarten.measure.growing import EDGE, KINDS, NARROW, Region, bent_alike, explained
 from weingarten.measure.skin import Indices, Mask, Skin
 from weingarten.measure.surface import Surface
 
-PATCHES = ((48, 1.0), (20, 1.0), (20, np.inf))
-"""Points that a surface is guessed from, and how much their curvatures may differ, in units of what is alike.
+PATCHES = ((48, 1.0, KINDS), (20, 1.0, KINDS), (48, np.inf, KINDS), (20, np.inf, NARROW))
+"""Points that a surface is guessed from, how much their curvatures may differ in units of what is alike, and kinds.
 
-Fewer points, and any curvature, where a surface is so narrow that the field rounds all of it."""
+Fewer points where a surface is narrow; any curvature where the field's are not to be trusted, or where it rounds
+all of a surface, which so little then tells that only the simplest kinds are looked for."""
 
 MOST_FAILURES = 80
 """Patches that no primitive explains, one after the other or not, after which the rest is free-form."""
@@ -28,7 +29,7 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
     """Regions, from seeds where the surface is the smoothest."""
     free, found = np.ones(len(skin.points), dtype=bool), []
     order = np.argsort(skin.rough, kind="stable")
-    for size, slack in PATCHES:
+    for size, slack, kinds in PATCHES:
         tried, failures = np.zeros(len(free), dtype=bool), 0
         for seed in order:
             if not free[seed] or tried[seed]:
@@ -39,7 +40,7 @@ def segmented(skin: Skin, tolerance: float) -> list[Region]:
             tried[seed] = True
             if len(patch) < size / 2:
                 continue
-            region = explained(patch, skin, tolerance, slack, free)
+            region = explained(patch, skin, tolerance, slack, free, kinds)
             if region is None or len(region.members) < fewest(region.surface, skin):
                 tried[patch] = True
                 failures += 1
