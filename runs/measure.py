@@ -5,7 +5,7 @@
 The bundled parts and those of exact_parts.py: 30,000 points on the exact surface (and again with noise, of
 standard deviations in shares of the longest side), a fit with the default settings, its measurement, and that
 compared with the surfaces that the part was made of. OUT keeps a run folder for each; what is there is not
-fitted again. --table writes results/measure.md. Run it with the Python of the environment that has weingarten.
+fitted again. --table writes results/measure.md. Run it with the Python that has weingarten.
 """
 
 import argparse
@@ -52,7 +52,7 @@ first, and its direction than the second. How near is in the table."""
 
 @dataclass
 class Row:
-    """Of one part. errors: the greatest of radii (shares), of directions (radians) and of places (lengths)."""
+    """Of one part. errors: the greatest of radii (shares), directions (radians), places (lengths)."""
 
     true: int
     missed: list[str]
@@ -102,7 +102,7 @@ def truths(part: Part, side: float) -> list[Surface]:
 
 
 def errors(found: Surface, true: Surface, side: float) -> tuple[float, float, float]:
-    """Of radii, relative; of the direction, radians; of the place, in longest sides. Infinite if of another kind."""
+    """Of radii, relative; direction, radians; place, longest sides. Infinite if of another kind."""
     match found, true:
         case Plane(), Plane():
             return (
@@ -210,8 +210,8 @@ def table(rows: list[list[str]]) -> str:
         "- command: `python runs/measure.py OUT --table`",
         f"- commit: {commit(ROOT)}; date: {today()}; machine: {machine()}",
         f"- {POINTS:,} points of each part, fitted with the default settings; noise: s.d. in longest sides",
-        "- errors: the greatest over all primitives that are on a true surface; false: on none. More primitives than "
-        "surfaces: separate faces in one plane, or pieces",
+        "- errors: the greatest over all primitives that are on a true surface; false: on none. More "
+        "primitives than surfaces: separate faces in one plane, or pieces",
         "",
         "| " + " | ".join(heads) + " |",
         "|---" * 2 + "|---:" * (len(heads) - 2) + "|",

@@ -16,7 +16,7 @@ from weingarten.measure.surface import Pairs, Points, Step, Values, Vector
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """d = (ρ − r) cos α − z sin α: r is the radius at the axis' position, and the axis points away from the apex.
+    """d = (ρ − r) cos α − z sin α: r is the radius at the axis' position; the axis points away from the apex.
 
     half_angle: α, between axis and surface, radians.
     """
@@ -30,7 +30,7 @@ class Cone:
 
     @classmethod
     def guesses(cls, patch: Patch) -> "list[Cone]":
-        """That to whose axis all normals are the most nearly at the same angle, and in whose apex planes meet."""
+        """That to whose axis all normals are nearly at the same angle, and in whose apex planes meet."""
         turned = patch.normals - patch.normals.mean(axis=0)
         direction = np.linalg.eigh(turned.T @ turned)[1][:, 0]
         mean = patch.points.mean(axis=0)

@@ -34,8 +34,8 @@ def fitted(surface: Surface, points: Points, floor: float, rounds: int = ROUNDS)
 def least(surface: Surface, points: Points) -> Surface | None:
     """min Σ d² over all points: Gauss and Newton's steps, damped as Levenberg and Marquardt do.
 
-    Every step is taken in coordinates about the surface that the last one led to, so that no direction of an axis
-    is singular. None where there are too few points, or the surface leaves the realm of numbers.
+    Every step is taken in coordinates about the surface that the last one led to, so that no direction of an
+    axis is singular. None where there are too few points, or the surface leaves the realm of numbers.
     """
     if len(points) <= surface.FREEDOM:
         return None

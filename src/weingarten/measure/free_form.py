@@ -14,7 +14,7 @@ LEAST = 1e-3
 
 
 def free_patches(mesh: Mesh, labels: Labels) -> tuple[dict[str, Any], ...]:
-    """Connected pieces of faces that are free-form at all corners: share of the area, box; the largest first."""
+    """Connected pieces of faces free-form at all corners: share of the area, box; the largest first."""
     faces = mesh.faces[(labels[mesh.faces] == NONE).all(axis=1)]
     if not len(faces):
         return ()

@@ -53,8 +53,8 @@ SUFFICES = 0.9
 class Region:
     """A surface and the points of a skin that lie on it.
 
-    score: Σ 1 − (d/ε')² − (θ/30°)² over them, ε' = LOOSE ε and θ the angle between the surface's normal and the
-    field's, so that a surface that merely passes by counts less than one that fits.
+    score: Σ 1 − (d/ε')² − (1 − cos θ)/(1 − cos 30°) over them, ε' = LOOSE ε and θ the angle between the
+    surface's normal and the field's, so that a surface that merely passes by counts less than one that fits.
     """
 
     surface: Surface
@@ -68,7 +68,7 @@ def some(members: Indices, most: int = SOME) -> Int64[np.ndarray, " s"]:
 
 
 def lies_on(surface: Surface, skin: Skin, tolerance: float, slack: float, free: Mask) -> Mask:
-    """Which free points do: near it, facing as it does or all the other way round (a hole), and as bent as it is.
+    """Which free points do: near it, facing as it does or all the other way (a hole), and as bent as it is.
 
     slack: how much their curvatures may differ, see `bent_alike`.
     """
@@ -87,7 +87,7 @@ def lies_on(surface: Surface, skin: Skin, tolerance: float, slack: float, free: 
 def bent_alike(
     one: Float64[np.ndarray, "n 2"], other: Float64[np.ndarray, "#n 2"], spacing: float, slack: float
 ) -> Mask:
-    """Whether curvatures differ by at most BEND of the other's greater, or FLAT over the spacing, times the slack."""
+    """Whether curvatures differ by at most slack × BEND of the other's greater, or slack × FLAT / spacing."""
     change = np.maximum(np.abs(one[:, 0] - other[:, 0]), np.abs(one[:, 1] - other[:, 1]))
     bend = np.maximum(np.abs(other[:, 0]), np.abs(other[:, 1]))
     return change <= slack * np.maximum(BEND * bend, FLAT / spacing)

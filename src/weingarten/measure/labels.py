@@ -58,7 +58,7 @@ def labelled(mesh: Mesh, regions: list[Region], skin: Skin) -> Labels:
 
 
 def label_areas(mesh: Mesh, labels: Labels, count: int) -> tuple[Values, float]:
-    """The area of each of `count` labels, and that of NONE: a third of every face goes to each of its corners."""
+    """The area of each of `count` labels, and of NONE: a third of every face goes to each of its corners."""
     share = np.repeat(mesh.areas / 3.0, 3)
     owner = labels[mesh.faces].reshape(-1)
     areas: Float64[np.ndarray, " n"] = np.bincount(owner + 1, weights=share, minlength=count + 1)

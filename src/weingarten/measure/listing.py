@@ -29,7 +29,7 @@ EXTENTS: dict[str, Callable[[dict[str, Any], Callable[[float], str]], str]] = {
 
 
 def listing(found: Measurement) -> str:
-    """Aligned columns, a line a primitive; lengths to a hundredth of the tolerance. Then what is free-form."""
+    """Aligned, a line a primitive, lengths to a hundredth of the tolerance; then what is free-form."""
     digits = places(found.tolerance)
     rows = [COLUMNS, *(row(n, one, digits) for n, one in enumerate(found.primitives))]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

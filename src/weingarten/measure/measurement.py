@@ -30,8 +30,8 @@ most of which the field has taken from where they are told to be (`Skin.places`)
 class Measurement:
     """What there is on a part; lengths in its cloud's unit.
 
-    primitives: the largest first. labels: of every vertex of the mesh, the number of its primitive, or −1 where
-    it is free-form. free_area, area: of the free-form surface, and of all;
+    primitives: the largest first. labels: of every vertex of the mesh, the number of its primitive, or −1
+    where it is free-form. free_area, area: of the free-form surface, and of all;
     free_patches: its larger pieces (`free_patches`). noise: standard deviation of the
     points from their surface, 0 where none is certain. tolerance: how near points are to a surface that
     they count as on it.

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """points: of the cloud. normals: outward, unit length. curvatures: κ₁ ≤ κ₂ of the field, one over length."""
+    """points: of the cloud. normals: outward, unit length. curvatures: κ₁ ≤ κ₂ of the field, 1/length."""
 
     points: Float64[np.ndarray, "n 3"]
     normals: Float64[np.ndarray, "n 3"]

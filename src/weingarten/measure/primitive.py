@@ -10,9 +10,9 @@ from weingarten.measure.surface import Surface
 class Primitive:
     """Lengths in the cloud's unit, angles in degrees.
 
-    surface: without ends, world frame. side: "boss" where the part is inside of it, "hole" where outside, None
-    of planes. extent: how much of it there is, by name (`Surface.extent`). points: of the cloud on it; rms,
-    p95: of their distances. area: of the mesh; share: of the mesh's whole area.
+    surface: without ends, world frame. side: "boss" where the part is inside of it, "hole" where outside,
+    None of planes. extent: how much of it there is, by name (`Surface.extent`). points: of the cloud on it;
+    rms, p95: of their distances. area: of the mesh; share: of the mesh's whole area.
     same_plane, coaxial: numbers of the primitives in one plane, or about one axis, with this one.
     """
 

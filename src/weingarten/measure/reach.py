@@ -25,7 +25,7 @@ def swept(angles: Values) -> tuple[float, bool]:
 
 
 def beyond(count: int) -> float:
-    """By how much an interval is longer than that between the outermost of n points at random in it, a factor.
+    """By what factor an interval is longer than that between the outermost of n points at random in it.
 
     (n + 1)/(n − 1): the estimate of the least variance that is right on average.
     """

@@ -8,10 +8,10 @@ from weingarten.measure.skin import Indices, Mask, Skin
 from weingarten.measure.surface import Surface
 
 PATCHES = ((48, 1.0, KINDS), (20, 1.0, KINDS), (48, np.inf, KINDS), (20, np.inf, NARROW))
-"""Points that a surface is guessed from, how much their curvatures may differ in units of what is alike, and kinds.
+"""Points that a surface is guessed from, how much their curvatures may differ (slack), and kinds.
 
-Fewer points where a surface is narrow; any curvature where the field's are not to be trusted, or where it rounds
-all of a surface, which so little then tells that only the simplest kinds are looked for."""
+Fewer points where a surface is narrow; any curvature where the field's are not to be trusted, or where it
+rounds all of a surface, which so little then tells that only the simplest kinds are looked for."""
 
 MOST_FAILURES = 80
 """Patches that no primitive explains, one after the other or not, after which the rest is free-form."""

@@ -1,4 +1,4 @@
-"""The points of a cloud with what the field says of the surface at them, and which of them are side by side."""
+"""The points of a cloud, what the field says of the surface at them, and which of them are side by side."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ FAR = 4.0
 """Times the median distance to the farthest neighbour: beyond, points are no neighbours."""
 
 RIPPLE, SLOPE = 6e-4, 0.1
-"""How far a field's surface is from the true one, root mean square, unit lengths; and the least ‖∇f‖ believed."""
+"""How far a field's surface is from the true one, r.m.s., unit lengths; and the least ‖∇f‖ believed."""
 
 Indices = Int64[np.ndarray, " m"]
 Mask = Bool[np.ndarray, " n"]
@@ -54,11 +54,11 @@ WorldFunction = Callable[[Points], Sampled]
 class Skin:
     """In the unit frame.
 
-    points: of the cloud. places: the same, moved by −t f/‖∇f‖ along the normal, with t = σ²/(σ² + RIPPLE²) and σ the
-    noise: to the field's surface where that is the more certain. noise: σ. neighbours: of every point, the point itself in place of those it has not.
-
-    curvatures: medians over neighbours. spacing: median distance from a point to the next. rough: by how much curvature changes from a point to its
-    neighbours, times the spacing: the least where a surface is well within one primitive.
+    points: of the cloud. places: the same, moved by −t f/‖∇f‖ along the normal, with t = σ²/(σ² + RIPPLE²),
+    σ the noise: to the field's surface where that is the more certain. curvatures: medians over neighbours.
+    neighbours: of every point, the point itself in place of those it has not. noise: σ. spacing: median
+    distance from a point to the next. rough: by how much curvature changes from a point to its neighbours,
+    times the spacing: the least where a surface is well within one primitive.
     """
 
     points: Points
@@ -99,7 +99,7 @@ class Skin:
         return Patch(self.places[chosen], self.normals[chosen], self.curvatures[chosen])
 
     def connected(self, allowed: Mask, start: Indices, most: int | None = None) -> Int64[np.ndarray, " r"]:
-        """The allowed points that are reached from some points over neighbours, at least `most` if there are."""
+        """The allowed points that are reached from some over neighbours, about `most` if given."""
         reached, front, count = np.zeros(len(allowed), dtype=bool), start[allowed[start]], 0
         while len(front):
             reached[front] = True

@@ -1,7 +1,7 @@
 """What the five kinds of surface have in common, and small geometry that they share.
 
-Lengths are those of the frame that the points are in. A step is a vector of as many small numbers as a surface
-has degrees of freedom: lengths, and angles in radians.
+Lengths are those of the frame that the points are in. A step is a vector of as many small numbers as a
+surface has degrees of freedom: lengths, and angles in radians.
 """
 
 import math
@@ -96,7 +96,7 @@ def directions(vectors: Points) -> Points:
 def ball(
     points: Float64[np.ndarray, "n d"], normals: Float64[np.ndarray, "n d"]
 ) -> tuple[Float64[np.ndarray, " d"], float]:
-    """Centre c and radius r of min Σ ‖p − c − r n‖²: a circle or sphere by its normals; r < 0 if they point in."""
+    """Centre c and radius r of min Σ ‖p − c − r n‖², a circle or sphere; r < 0 if its normals point in."""
     mean, facing = points.mean(axis=0), normals.mean(axis=0)
     turned = normals - facing
     radius = float(((points - mean) * turned).sum() / max((turned**2).sum(), 1e-300))

@@ -44,7 +44,7 @@ class Torus:
 
     @classmethod
     def by_axis(cls, patch: Patch) -> "Torus | None":
-        """The line (a, m = c × a) with n·m + (p × n)·a = 0 for all normals; then a circle in the half-plane."""
+        """The line (a, m = c × a) with n·m + (p × n)·a = 0 for all normals; a circle in its half-plane."""
         mean = patch.points.mean(axis=0)
         points = patch.points - mean
         size = max(float(np.abs(points).max()), 1e-300)
