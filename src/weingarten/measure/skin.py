@@ -20,6 +20,9 @@ TURN = np.cos(np.radians(60.0))
 FAR = 4.0
 """Times the median distance to the farthest neighbour: beyond, points are no neighbours."""
 
+ALONE = 0.5
+"""Points that lack so large a share of their neighbours are no place to begin at."""
+
 RIPPLE, SLOPE = 6e-4, 0.1
 """How far a field's surface is from the true one, r.m.s., unit lengths; and the least ‖∇f‖ believed."""
 
@@ -92,6 +95,7 @@ class Skin:
         change = np.abs(curvatures[near] - curvatures[:, None]).sum(axis=2).mean(axis=1)
         curvatures = np.median(curvatures[near], axis=1)
         rough = spacing * np.maximum(change, np.median(change[near], axis=1))
+        rough[(near == np.arange(len(points))[:, None]).mean(axis=1) > ALONE] = np.inf
         return cls(unit, places, normals, curvatures, near.astype(np.int64), noise, spacing, rough)
 
     def patch(self, chosen: Indices) -> Patch:
