@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from weingarten.io.mesh import read_mesh, write_mesh
     from weingarten.io.points import read_points
+    from weingarten.measure.measurement import Measurement, measurement
     from weingarten.mesh import Mesh
     from weingarten.methods import METHODS
     from weingarten.metrics.protocol import PROTOCOLS
@@ -30,10 +31,12 @@ HOME = {
     "METHODS": "methods",
     "PRESETS": "settings",
     "PROTOCOLS": "metrics.protocol",
+    "Measurement": "measure.measurement",
     "Mesh": "mesh",
     "Result": "reconstruction",
     "Settings": "settings",
     "WorldField": "world_field",
+    "measurement": "measure.measurement",
     "read_mesh": "io.mesh",
     "read_points": "io.points",
     "reconstruct": "reconstruction",
@@ -46,10 +49,12 @@ __all__ = [
     "METHODS",
     "PRESETS",
     "PROTOCOLS",
+    "Measurement",
     "Mesh",
     "Result",
     "Settings",
     "WorldField",
+    "measurement",
     "read_mesh",
     "read_points",
     "reconstruct",

@@ -1,0 +1,1 @@
+"""What a reverse engineer reads off a fitted part: planes, cylinders, cones, spheres and tori."""
