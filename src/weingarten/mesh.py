@@ -12,10 +12,12 @@ class Mesh:
 
     vertices: positions, float64, in whichever frame the maker states (files: the world frame).
     faces: three vertex indices a triangle.
+    confidence: from 0 to 1, how far the points of a fit bear each vertex out; None of other meshes.
     """
 
     vertices: Float64[np.ndarray, "v 3"]
     faces: Int64[np.ndarray, "f 3"]
+    confidence: Float64[np.ndarray, " v"] | None = None
 
     @property
     def corners(self) -> Float64[np.ndarray, "f 3 3"]:

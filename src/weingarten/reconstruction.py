@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from jaxtyping import Float64
+from scipy.spatial import KDTree
 from torch import nn
 
 from weingarten.crew import Crew, crew_for
@@ -20,10 +21,11 @@ from weingarten.fit.run_folder import Keeper, NoFolder, RunFolder
 from weingarten.mesh import Mesh
 from weingarten.observer import Observer
 from weingarten.oracle import Oracle
+from weingarten.scan.noise import noise_level
 from weingarten.scan.thinning import thinned
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
-from weingarten.summary import Summary, summarise
+from weingarten.summary import Summary, borne_out, summarise
 from weingarten.surface.contour import extraction
 from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.outer_faces import within_outer_faces
@@ -147,8 +149,8 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
     for note in notes:
         clock.observer.note(note)
     clock.phase("measuring")
-    world = Mesh(start.frame.to_world(mesh.vertices), mesh.faces)
     noise = start.noise * start.frame.scale
+    world = borne_out(Mesh(start.frame.to_world(mesh.vertices), mesh.faces), start.cloud, noise)
     seconds, notes, planned = clock.seconds, (*start.notes, *notes), start.settings.steps
     summary = summarise(
         start.cloud, world, noise, ending.steps, planned, ending.finished, ending.loss, seconds, notes
@@ -255,4 +257,5 @@ def remesh(
     given = frame.to_unit(thinned(points, settings.seed))
     unit = settings.resolved_method().preparation.settle(given).points
     mesh, notes = surface(field.module, replace(found.origin, settings=settings), unit, crew_for(device))
-    return Mesh(frame.to_world(mesh.vertices), mesh.faces), notes
+    world = Mesh(frame.to_world(mesh.vertices), mesh.faces)
+    return borne_out(world, points, noise_level(given, KDTree(given)) * frame.scale), notes

@@ -1,19 +1,32 @@
 """What can be said of a result without a ground truth."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.confidence import confidence
 from weingarten.metrics.coverage import coverage
 from weingarten.metrics.distance import closest
 from weingarten.metrics.self_intersections import self_intersecting
 from weingarten.metrics.topology import topology
 
+Points = Float64[np.ndarray, "_ 3"]
+
 MOST_POINTS = 200_000
 """Distances are taken from at most so many points, evenly picked from the cloud."""
+
+
+def probe(points: Points) -> Points:
+    """The points that distances are taken from."""
+    return points[:: max(1, -(-len(points) // MOST_POINTS))]
+
+
+def borne_out(mesh: Mesh, points: Points, noise: float) -> Mesh:
+    """The mesh with its vertices' confidence; mesh, points and noise in one frame."""
+    return replace(mesh, confidence=confidence(mesh.vertices, probe(points), noise))
 
 
 @dataclass(frozen=True)
@@ -56,7 +69,7 @@ class Summary:
 
 
 def summarise(
-    points: Float64[np.ndarray, "n 3"],
+    points: Points,
     mesh: Mesh,
     noise: float,
     steps: int,
@@ -70,9 +83,9 @@ def summarise(
 
     noise: mean distance of the points from their surface, in the same unit.
     """
-    probe = points[:: max(1, -(-len(points) // MOST_POINTS))]
-    distance = closest(mesh, probe).distance
-    covered = coverage(mesh, probe, distance, noise)
+    probes = probe(points)
+    distance = closest(mesh, probes).distance
+    covered = coverage(mesh, probes, distance, noise)
     shape = topology(mesh)
     return Summary(
         points=len(points),

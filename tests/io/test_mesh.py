@@ -66,6 +66,18 @@ def test_round_trip(tmp_path, suffix, scale, offset):
         np.testing.assert_array_equal(back.faces, mesh.faces)
 
 
+def test_confidence_stays_with_its_vertices_in_a_ply(tmp_path):
+    plain = ball(2.5, 100.0)
+    scored = Mesh(plain.vertices, plain.faces, np.linspace(0.0, 1.0, len(plain.vertices)))
+    write_mesh(tmp_path / "part.ply", scored)
+    loaded = trimesh.load(tmp_path / "part.ply", process=False)
+    found = loaded.metadata["_ply_raw"]["vertex"]["data"]["confidence"].reshape(-1)
+    np.testing.assert_array_equal(found, scored.confidence.astype(np.float32))
+    back = read_mesh(tmp_path / "part.ply")
+    np.testing.assert_array_equal(back.vertices, plain.vertices)
+    np.testing.assert_array_equal(back.faces, plain.faces)
+
+
 @given(
     centre=st.floats(-1e9, 1e9, allow_subnormal=False),
     exponent=st.integers(-20, 20),

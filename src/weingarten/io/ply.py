@@ -86,18 +86,28 @@ def read_ply(path: Path) -> Points:
 
 
 def write_ply(path: Path, mesh: Mesh) -> tuple[str, ...]:
-    """Write binary little-endian PLY with double coordinates: the mesh comes back bit for bit. No notes."""
+    """Write binary little-endian PLY with double coordinates: the mesh comes back bit for bit. No notes.
+
+    Vertices with a confidence have it as a property of that name, in single precision.
+    """
+    rows = np.empty(len(mesh.vertices), dtype=[("place", "<f8", (3,))])
+    scored = ""
+    if mesh.confidence is not None:
+        rows = np.empty(len(mesh.vertices), dtype=[("place", "<f8", (3,)), ("confidence", "<f4")])
+        rows["confidence"] = mesh.confidence
+        scored = "property float confidence\n"
+    rows["place"] = mesh.vertices
     header = (
         "ply\nformat binary_little_endian 1.0\ncomment weingarten\n"
         f"element vertex {len(mesh.vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
-        f"element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+        f"{scored}element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     faces = np.empty(len(mesh.faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
     faces["count"] = 3
     faces["corners"] = mesh.faces
     with path.open("wb") as stream:
         stream.write(header.encode("ascii"))
-        stream.write(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes())
+        stream.write(rows.tobytes())
         stream.write(faces.tobytes())
     return ()
 

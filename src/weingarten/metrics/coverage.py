@@ -1,8 +1,7 @@
 """Whether a mesh and the points that it was made of speak of the same surface, without a ground truth.
 
-Both figures compare a distance with r(p), that from a point p of the cloud to its EIGHTH neighbour. Of points
-spread at random with density ρ on a surface, πρr² is about 8, and a place of the surface that is farther than
-c r from all of them has probability exp(−8c²): 1e-14 at c = 2. So what is farther was not scanned.
+Surface is guessed where its confidence is zero (`weingarten.metrics.confidence`, whose symbols these are). A
+point is missed when the mesh is farther from it than MISSED r, beside what noise allows.
 """
 
 from dataclasses import dataclass
@@ -12,16 +11,13 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.confidence import NOISE, confidence, spacing
 from weingarten.scan.sampling import sample_surface
 
 Points = Float64[np.ndarray, "n 3"]
 
-EIGHTH = 8
-GUESSED, MISSED = 2.0, 0.5
-"""Distances in r beyond which surface is a guess, and beyond which the mesh misses a point."""
-
-NOISE = 4.0
-"""How many times the noise of the cloud, its mean distance from planes, is allowed beside that."""
+MISSED = 0.5
+"""Distance in r beyond which the mesh misses a point."""
 
 SAMPLES = 20_000
 """On the mesh; a share of 1 % is told to within 0.07 %."""
@@ -64,10 +60,9 @@ def coverage(
     off: the points' distances from the mesh. noise: mean distance of the points from their surface, in the
     same unit. seed: of the samples on the mesh. Raises InputError when no face has an area.
     """
-    tree = KDTree(points)
-    spacing = np.asarray(tree.query(points, k=EIGHTH + 1, workers=-1)[0])[:, -1]
-    gap, nearest = tree.query(sample_surface(mesh, SAMPLES, seed)[0], workers=-1)
+    allowed = MISSED * spacing(KDTree(points), points) + NOISE * noise
+    places = sample_surface(mesh, SAMPLES, seed)[0]
     return Coverage(
-        guessed=float(np.mean(gap > GUESSED * spacing[nearest] + NOISE * noise)),
-        missed=float(np.mean(off > MISSED * spacing + NOISE * noise)),
+        guessed=float(np.mean(confidence(places, points, noise) == 0.0)),
+        missed=float(np.mean(off > allowed)),
     )
