@@ -130,7 +130,7 @@ class Neural(Contender):
             scan.points,
             replace(self.settings, seed=scan.seed),
             device=scan.device,
-            run_folder=scan.folder,
+            run_folder=RunFolder(scan.folder, snapshots=0),
             resume=resume,
             truth=scan.truth,
         )

@@ -1,6 +1,7 @@
-"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json.
+"""The folder of one fit: config.toml, loss.csv, checkpoint, cloud.npy, history/, mesh.ply, summary.json.
 
-A fit without a folder uses `NoFolder`, so that nothing asks whether there is one.
+There is a summary of a fit that has ended, and of no other. A fit without a folder uses `NoFolder`, so that
+nothing asks whether there is one.
 """
 
 import csv
@@ -17,6 +18,7 @@ from weingarten.atomic import replacing
 from weingarten.errors import CheckpointError, OutputError
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
+from weingarten.fit.history import SNAPSHOTS, History
 from weingarten.fit.loop import Loop, Record
 from weingarten.io.mesh import write_mesh
 from weingarten.mesh import Mesh
@@ -41,6 +43,10 @@ class Keeper(Protocol):
         """Note one step."""
         ...
 
+    def look(self, loop: Loop) -> None:
+        """See the field before each step, before each `save` and after the last step."""
+        ...
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """Keep the state of the fit."""
         ...
@@ -63,6 +69,9 @@ class NoFolder:
     def record(self, record: Record, seconds: float) -> None:
         """See Keeper."""
 
+    def look(self, loop: Loop) -> None:
+        """See Keeper."""
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """See Keeper."""
 
@@ -71,10 +80,14 @@ class NoFolder:
 
 
 class RunFolder:
-    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be."""
+    """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be.
 
-    def __init__(self, path: Path) -> None:
+    snapshots: how many of the field on its way (`weingarten.fit.history`).
+    """
+
+    def __init__(self, path: Path, snapshots: int = SNAPSHOTS) -> None:
         self.path = path
+        self.history = History(path, snapshots)
         self.rows: list[list[str]] = []
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -100,8 +113,15 @@ class RunFolder:
         """Where the loss curve is."""
         return self.path / "loss.csv"
 
+    @property
+    def summary(self) -> Path:
+        """Where the figures are."""
+        return self.path / "summary.json"
+
     def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
-        """Write what is known before the first step; keep the loss curve up to a resumed checkpoint."""
+        """Write what is known before the first step; keep curve and snapshots up to a resumed checkpoint."""
+        self.summary.unlink(missing_ok=True)
+        self.history.begin(None if resumed is None else resumed.step)
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
         if resumed is None or not self.cloud.exists():
@@ -124,6 +144,10 @@ class RunFolder:
         values += [record.weights[name] for name in names]
         self.rows.append([str(record.step), *(f"{value:.9g}" for value in values)])
 
+    def look(self, loop: Loop) -> None:
+        """Keep a snapshot of the field where one is due."""
+        self.history.look(loop)
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """Write the checkpoint and the loss curve up to it."""
         try:
@@ -137,7 +161,7 @@ class RunFolder:
     def finish(self, mesh: Mesh, summary: Summary) -> None:
         """Write the mesh and the figures."""
         write_mesh(self.path / "mesh.ply", mesh)
-        with replacing(self.path / "summary.json") as temporary:
+        with replacing(self.summary) as temporary:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")
 
 
