@@ -1,11 +1,6 @@
-"""The page in a real browser, offline: no error, nothing asked for, tables that sort, a 3D view that moves.
-
-Skipped where there is no chromium, but for CI=true: there it fails.
-"""
+"""The page in a real browser, offline: no error, nothing asked for, sorting tables, a 3D view that moves."""
 
 import io
-import os
-import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,15 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page
 
 sys.path.insert(0, str(Path(__file__).parent))
 import benchmark as tiny
 
 from weingarten.report.page import Watcher, write_page
 
-NAMES = ("chromium", "chromium-browser", "google-chrome")
-ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 OF_THE_PICTURE = """
 () => {
   const one = document.querySelector("details.part:last-of-type .shot[data-mesh='3'][data-mode=error] img");
@@ -40,19 +33,6 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
   return kind === "webgl2" ? null : context.call(this, kind, ...more);
 };
 """
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    program = next((path for name in NAMES if (path := shutil.which(name))), None)
-    if program is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail("There is no chromium, which CI needs for these tests; .ci/run installs it.")
-        pytest.skip("There is no chromium.")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")

@@ -56,11 +56,11 @@ class Scale:
         return [(k / TICKS, text) for k, text in enumerate([*texts[:-1], f"≥ {texts[-1]}"])]
 
 
-def colour_map() -> UInt8[np.ndarray, "256 3"]:
-    """ANCHORS, linear in between."""
-    anchors = np.array([[int(code[i : i + 2], 16) for i in (1, 3, 5)] for code in ANCHORS], dtype=np.float64)
-    place = np.linspace(0, len(anchors) - 1, LEVELS)
-    channels = [np.interp(place, np.arange(len(anchors)), anchors[:, k]) for k in range(3)]
+def colour_map(anchors: Sequence[str] = ANCHORS) -> UInt8[np.ndarray, "256 3"]:
+    """The anchors, evenly spaced, linear in between."""
+    known = np.array([[int(code[i : i + 2], 16) for i in (1, 3, 5)] for code in anchors], dtype=np.float64)
+    place = np.linspace(0, len(known) - 1, LEVELS)
+    channels = [np.interp(place, np.arange(len(known)), known[:, k]) for k in range(3)]
     return np.round(np.stack(channels, axis=1)).astype(np.uint8)
 
 
@@ -72,10 +72,11 @@ def scale_for(side: float, distances: Sequence[Distances]) -> Scale:
     """
     ends = sorted(float(np.percentile(own, PERCENTILE)) for own in distances if len(own))
     middle = ends[(len(ends) - 1) // 2] if ends else 0.0
-    return Scale(_rounded_up(min(max(middle, NARROWEST * side), WIDEST * side)))
+    return Scale(rounded_up(min(max(middle, NARROWEST * side), WIDEST * side)))
 
 
-def _rounded_up(value: float) -> float:
+def rounded_up(value: float) -> float:
+    """The least of 1, 2 and 5 times a power of ten that is not below a positive value."""
     power = 10.0 ** np.floor(np.log10(value))
     nice = next((step for step in STEPS if value <= step * power * (1 + 1e-9)), 10.0)
     return float(f"{nice * power:.6g}")

@@ -3,12 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from weingarten.report import panel, shading
-from weingarten.report.camera import AZIMUTH, ELEVATION
 from weingarten.report.gallery import Card, PartView
-from weingarten.report.heat import colour_map
+from weingarten.report.looks import looks
 from weingarten.report.scene import Scene
 
 TALL = 0.77
@@ -19,26 +15,7 @@ def viewing(views: Sequence[PartView]) -> tuple[dict[str, Any], list[tuple[str, 
     """Settings of the view, and the packed scenes by the id of the element that holds them."""
     scenes: list[tuple[str, str]] = []
     parts = [part_settings(number, view, scenes) for number, view in enumerate(views)]
-    lights = []
-    for direction, power in shading.LIGHTS:
-        unit = np.asarray(direction) / np.linalg.norm(direction)
-        lights.append([*(round(float(value), 5) for value in unit), power])
-    settings = {
-        "parts": parts,
-        "azimuth": round(float(np.degrees(AZIMUTH)), 6),
-        "elevation": round(float(np.degrees(ELEVATION)), 6),
-        "colours": colour_map().reshape(-1).tolist(),
-        "crease": round(float(shading.CREASE), 6),
-        "light": {
-            "lights": lights,
-            "ambient": shading.AMBIENT,
-            "sheen": shading.SHEEN,
-            "front": shading.FRONT,
-            "back": shading.BACK,
-            "shade": panel.SHADE,
-            "tint": panel.TINT,
-        },
-    }
+    settings = {"parts": parts, **looks()}
     return settings, scenes
 
 

@@ -9,108 +9,25 @@
   const modes = [...document.querySelectorAll("input[name=v-mode]")];
   const TRUTH = -1;
 
-  const VERTEX = `#version 300 es
-    in vec3 position; in vec3 normal; in vec3 edge; in float level;
-    uniform mat3 axes; uniform vec3 target; uniform vec2 scale; uniform vec2 shift;
-    out vec3 n; out vec3 e; out float v;
-    void main() {
-      vec3 p = axes * (position - target);
-      n = axes * normal; e = edge; v = level;
-      gl_Position = vec4(p.xy * scale + shift, -p.z * 0.2, 1.0);
-    }`;
-  const FRAGMENT = `#version 300 es
-    precision highp float;
-    in vec3 n; in vec3 e; in float v;
-    uniform vec4 lights[${settings.light.lights.length}]; uniform vec3 front; uniform vec3 back;
-    uniform vec4 finish; // ambient, sheen, and shade and tint of coloured surfaces
-    uniform sampler2D colours; uniform bool coloured;
-    out vec4 colour;
-    void main() {
-      vec3 N = normalize(n);
-      bool inside = !gl_FrontFacing;
-      if (N.z < 0.0) N = -N;
-      float light = finish.x;
-      for (int k = 0; k < ${settings.light.lights.length}; k++) light += lights[k].w * max(0.0, dot(N, lights[k].xyz));
-      vec3 half_way = normalize(lights[0].xyz + vec3(0.0, 0.0, 1.0));
-      vec3 shaded = (inside ? back : front) * light + finish.y * pow(max(0.0, dot(N, half_way)), 40.0);
-      vec3 heat = texture(colours, vec2((v * 255.0 + 0.5) / 256.0, 0.5)).rgb * (finish.z + finish.w * light);
-      vec3 near = 1.0 - smoothstep(vec3(0.5), vec3(1.3), e / max(fwidth(e), vec3(1e-6)));
-      float line = max(near.x, max(near.y, near.z));
-      colour = vec4(clamp(coloured ? heat : shaded, 0.0, 1.0) * (1.0 - 0.35 * line), 1.0);
-    }`;
-
-  const buffers = [];
-  let gl = null, program = null, places = null, corners = 0, request = 0, shown = 0;
-  const view = { azimuth: 0, elevation: 0, zoom: 1, x: 0, y: 0 };
+  let gl = null, surface = null, request = 0, shown = 0;
   const now = { part: 0, mesh: TRUTH, mode: "shaded" };
-
-  // ---- WebGL
-  function shader(kind, source) {
-    const made = gl.createShader(kind);
-    gl.shaderSource(made, source);
-    gl.compileShader(made);
-    if (!gl.getShaderParameter(made, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(made));
-    return made;
-  }
+  const redraw = () => (request ||= requestAnimationFrame(draw));
+  const camera = orbit(canvas, settings, redraw);
 
   function prepare() {
     gl = canvas.getContext("webgl2", { antialias: true });
     if (typeof DecompressionStream === "undefined") gl = null;
     if (!gl) return false;
-    program = gl.createProgram();
-    gl.attachShader(program, shader(gl.VERTEX_SHADER, VERTEX));
-    gl.attachShader(program, shader(gl.FRAGMENT_SHADER, FRAGMENT));
-    gl.linkProgram(program);
-    gl.useProgram(program);
-    const names = ["axes", "target", "scale", "shift", "lights", "front", "back", "finish", "coloured"];
-    places = Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(program, name)]));
-    const { lights, front, back, ambient, sheen, shade, tint } = settings.light;
-    gl.uniform4fv(places.lights, lights.flat());
-    gl.uniform3fv(places.front, front);
-    gl.uniform3fv(places.back, back);
-    gl.uniform4f(places.finish, ambient, sheen, shade, tint);
-    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(settings.colours));
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+    surface = surfaces(gl, settings.light);
+    surface.paint(settings.colours);
     gl.enable(gl.DEPTH_TEST);
     return true;
-  }
-
-  function upload({ corner, level, count }) {
-    buffers.splice(0).forEach((buffer) => gl.deleteBuffer(buffer));
-    fill(corner);
-    ["position", "normal", "edge"].forEach((name, k) => attribute(name, 3, gl.FLOAT, 36, 12 * k));
-    fill(level);
-    attribute("level", 1, gl.UNSIGNED_BYTE, 1, 0);
-    corners = count;
-  }
-
-  function fill(values) {
-    buffers.push(gl.createBuffer());
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.at(-1));
-    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
-  }
-
-  function attribute(name, size, kind, stride, offset) {
-    const place = gl.getAttribLocation(program, name);
-    gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, size, kind, kind !== gl.FLOAT, stride, offset);
-  }
-
-  function axes() {
-    const [a, e] = [view.azimuth, view.elevation].map((degrees) => (degrees * Math.PI) / 180);
-    const back = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
-    const right = [-Math.sin(a), Math.cos(a), 0];
-    const up = [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)];
-    return [right, up, back];
   }
 
   /** Pixels of a unit length. */
   function perUnit() {
     const part = settings.parts[now.part];
-    return view.zoom * Math.min(canvas.clientWidth / part.extent, canvas.clientHeight / part.tall);
+    return camera.view.zoom * Math.min(canvas.clientWidth / part.extent, canvas.clientHeight / part.tall);
   }
 
   function draw() {
@@ -123,20 +40,10 @@
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const [right, up, back] = axes();
-    gl.uniformMatrix3fv(places.axes, true, [...right, ...up, ...back]);
-    gl.uniform3fv(places.target, settings.parts[now.part].target);
-    gl.uniform2f(places.scale, (2 * perUnit()) / width, (2 * perUnit()) / height);
-    gl.uniform2f(places.shift, (2 * view.x) / width, (-2 * view.y) / height);
-    gl.uniform1i(places.coloured, now.mode === "shaded" ? 0 : 1);
-    gl.drawArrays(gl.TRIANGLES, 0, corners);
-  }
-
-  const redraw = () => (request ||= requestAnimationFrame(draw));
-
-  function reset() {
-    Object.assign(view, { azimuth: settings.azimuth, elevation: settings.elevation, zoom: 1, x: 0, y: 0 });
-    redraw();
+    const scale = [(2 * perUnit()) / width, (2 * perUnit()) / height];
+    const shift = [(2 * camera.view.x) / width, (-2 * camera.view.y) / height];
+    const target = settings.parts[now.part].target;
+    surface.draw({ axes: camera.axes(), target, scale, shift }, now.mode !== "shaded");
   }
 
   // ---- what is shown
@@ -182,13 +89,13 @@
     if (!gl) return;
     const mesh = now.mesh === TRUTH ? null : part.meshes[now.mesh];
     const scene = now.mode === "missed" || !mesh ? part.truth : mesh.scene;
-    corners = 0;
+    surface.clear();
     say(scene ? "" : "There is no mesh of this contender for this part.");
     if (scene) {
-      const found = await packedScenes.unpacked(scene);
+      const found = packedScenes.unpacked(scene, await packedScenes.bytes(scene.id));
       if (now.mode === "missed") found.levels = await packedScenes.bytes(mesh.missed);
       if (turn !== shown) return; // something else was chosen meanwhile
-      upload(packedScenes.expanded(found, settings.crease));
+      surface.upload(packedScenes.expanded(found, settings.crease));
     }
     canvas.dataset.shown = `${now.part} ${now.mesh} ${now.mode}`;
     redraw();
@@ -201,7 +108,7 @@
     if (!gl && !prepare()) {
       say("This browser cannot draw the view in 3D: it needs WebGL2 and DecompressionStream. The pictures in the page show the same.");
     }
-    if (other) reset();
+    if (other) camera.reset();
     canvas.focus();
     show();
   }
@@ -218,81 +125,24 @@
     choose({ mode: free[(free.indexOf(now.mode) + 1) % free.length] });
   }
 
-  // ---- pointer, wheel, keys
-  function turn(right, down) {
-    view.azimuth -= right;
-    view.elevation = Math.max(-90, Math.min(90, view.elevation + down));
-    redraw();
-  }
-
-  function move(right, down) {
-    Object.assign(view, { x: view.x + right, y: view.y + down });
-    redraw();
-  }
-
-  /** What is under a place of the canvas, in pixels from its middle, stays there. */
-  function zoom(factor, x = 0, y = 0) {
-    const changed = Math.max(0.2, Math.min(100, view.zoom * factor)) / view.zoom;
-    view.zoom *= changed;
-    view.x = x + (view.x - x) * changed;
-    view.y = y + (view.y - y) * changed;
-    redraw();
-  }
-
-  const fingers = new Map();
-  const fromMiddle = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
-  };
-
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    fingers.set(event.pointerId, fromMiddle(event));
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    const before = fingers.get(event.pointerId);
-    if (!before) return;
-    const after = fromMiddle(event), [right, down] = [after[0] - before[0], after[1] - before[1]];
-    const other = [...fingers.entries()].find(([id]) => id !== event.pointerId)?.[1];
-    fingers.set(event.pointerId, after);
-    if (other) {
-      const apart = (place) => Math.hypot(place[0] - other[0], place[1] - other[1]);
-      zoom(apart(after) / Math.max(apart(before), 1), (after[0] + other[0]) / 2, (after[1] + other[1]) / 2);
-      move(right / 2, down / 2);
-    } else if (event.shiftKey || event.buttons & 6) move(right, down);
-    else turn(right * 0.45, down * 0.45);
-  });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
-  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  canvas.addEventListener("dblclick", reset);
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), ...fromMiddle(event));
-  }, { passive: false });
-
-  const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-  const KEYS = { "+": () => zoom(1.2), "=": () => zoom(1.2), "-": () => zoom(1 / 1.2), 0: reset, e: nextMode,
-    n: () => next(1), p: () => next(-1) };
+  const KEYS = { e: nextMode, n: () => next(1), p: () => next(-1) };
   dialog.addEventListener("keydown", (event) => {
     if (event.target.matches("select, input") || event.ctrlKey || event.metaKey || event.altKey) return;
-    const arrow = ARROWS[event.key], key = KEYS[event.key.toLowerCase()];
-    if (!arrow && !key) return;
-    event.preventDefault();
+    const key = KEYS[event.key.toLowerCase()];
     if (key) key();
-    else if (event.shiftKey) move(-20 * arrow[0], -20 * arrow[1]);
-    else turn(5 * arrow[0], 5 * arrow[1]);
+    if (key || camera.key(event)) event.preventDefault();
   });
 
   // ---- the page
   partChoice.append(...settings.parts.map((part, k) => new Option(part.name, k)));
   partChoice.addEventListener("change", () => {
     now.part = Number(partChoice.value);
-    reset();
+    camera.reset();
     show();
   });
   meshChoice.addEventListener("change", () => choose({ mesh: Number(meshChoice.value) }));
   for (const mode of modes) mode.addEventListener("change", () => choose({ mode: mode.value }));
-  element("v-reset").addEventListener("click", reset);
+  element("v-reset").addEventListener("click", camera.reset);
   element("v-close").addEventListener("click", () => dialog.close());
   element("open3d").addEventListener("click", () => open(now.part, now.mesh, now.mode));
   for (const shot of document.querySelectorAll("button.shot")) {
