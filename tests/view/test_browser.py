@@ -52,6 +52,7 @@ def served(exhibit: Exhibit) -> Iterator[str]:
 def shown(browser: Browser, address: str, script: str = "", offline: bool = False) -> Iterator[Page]:
     """The page, open; afterwards: nothing went wrong in it and nothing but its address was asked."""
     context = browser.new_context(viewport={"width": 900, "height": 560}, offline=offline)
+    context.set_default_timeout(120_000)
     page = context.new_page()
     wrong: list[str] = []
     asked: list[str] = []
@@ -69,7 +70,7 @@ def shown(browser: Browser, address: str, script: str = "", offline: bool = Fals
 
 def settled(page: Page) -> str:
     """What the canvas says that it shows, as soon as it has nothing more to do."""
-    page.wait_for_function("() => document.getElementById('canvas').dataset.shown", timeout=60_000)
+    page.wait_for_function("() => document.getElementById('canvas').dataset.shown")
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     found = page.locator("#canvas").get_attribute("data-shown")
     assert found is not None
@@ -242,7 +243,7 @@ def test_a_fit_is_followed_to_its_end(browser: Browser, tmp_path: Path, monkeypa
         assert "Step 11 of 30" in page.locator("#status").inner_text()
         ticks = page.locator("#curve .tick").count()
         observer.on.set()
-        page.locator("#status", has_text="Fitted, 30 steps.").wait_for(timeout=120_000)
+        page.locator("#status", has_text="Fitted, 30 steps.").wait_for()
         page.wait_for_function(
             "() => (document.getElementById('canvas').dataset.shown || '').startsWith('final')"
         )

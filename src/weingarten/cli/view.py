@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,7 +89,7 @@ def subject(source: str, points: Path | None) -> "Subject":
     return Run(path)
 
 
-def invitation(server: "Server", environment: "os._Environ[str] | dict[str, str]") -> list[str]:
+def invitation(server: "Server", environment: Mapping[str, str]) -> list[str]:
     """Where the page is, and over SSH how to reach it."""
     said = [f"{server.address}   (Ctrl-C ends it)"]
     connection = environment.get("SSH_CONNECTION", "").split()

@@ -10,7 +10,7 @@ from typing import Self
 
 from weingarten.bench.job import Job
 from weingarten.bench.runner import Watcher
-from weingarten.cli.progress import duration
+from weingarten.duration import duration
 
 
 class Quiet(Watcher):

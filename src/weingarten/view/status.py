@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from weingarten.cli.progress import duration
+from weingarten.duration import duration
 
 QUIET = 30.0
 """Seconds without a checkpoint after which a fit may have been killed; or so many steps' time."""
