@@ -116,6 +116,8 @@ def row_of(record: dict, ceiling: dict[str, str]) -> Row:
         "exact_f1_005": exact["f1_005"] * 100,
         "exact_f1_001": exact["f1_001"] * 100,
         "exact_nc": exact["normal_consistency"] * 100,
+        "exact_edge_f1": exact["edge_f1"] * 100 if exact["edge_f1"] is not None else None,
+        "self_intersecting": record["fit"]["summary"]["self_intersecting"],
         "volume_ratio": exact["volume_ratio"],
         "published_protocol": published["protocol"],
         "exact_protocol": exact["protocol"],

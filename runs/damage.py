@@ -4,8 +4,9 @@
     python runs/damage.py DATA OUT --table
 
 DATA holds true meshes. Each row is a benchmark of its own in OUT/ROW: `weingarten sample` damages a scan of
-every part, `weingarten bench` fits and judges; what is there is not made again. --table writes
-results/damage.md from what OUT holds. Run it with the Python of the environment that has weingarten.
+every part, `weingarten bench` fits and judges; what is there is not made again. OUT begins with what
+results/damage.tar.xz has, which is written anew after every row. --table writes results/damage.md from what
+OUT holds. Run it with the Python of the environment that has weingarten.
 """
 
 import argparse
@@ -17,12 +18,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from kept import pack, unpack
 
 from weingarten.io.mesh import read_mesh, write_mesh
 from weingarten.mesh import Mesh
 from weingarten.report.provenance import commit, machine, today
 
 ROOT = Path(__file__).resolve().parent.parent
+ARCHIVE = ROOT / "results" / "damage.tar.xz"
 PROGRAM = Path(sys.executable).parent / "weingarten"
 METHODS = ("odw-oriented", "poisson")
 PARTS = tuple(f"abc_{number:08d}" for number in (3, 4, 6, 68, 77, 125, 129, 168, 272, 801))
@@ -56,6 +59,7 @@ ROWS = (
         Row(f"missing-{p}", f"{p} % of the surface missing", 0.0, ("--missing", str(p / 100)))
         for p in (5, 15)
     ),
+    Row("missing-50", "half of the surface missing: an open sheet", 0.0, ("--missing", "0.5")),
     Row("views-6", "what is seen from six places", 0.0, ("--views", "6")),
     Row("two", "two parts in one cloud", pair=True),
 )
@@ -100,6 +104,7 @@ def carry_out(chosen: argparse.Namespace, rows: list[Row]) -> None:
         command += ["--methods", ",".join(chosen.methods), "--seeds", str(chosen.seeds)]
         command += ["--parts", ",".join(chosen.parts)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        pack(chosen.out, ARCHIVE)
 
 
 def found(folder: Path, method: str) -> dict[tuple[str, str], dict]:
@@ -193,6 +198,7 @@ def main() -> int:
     """Make what is missing, or tabulate what there is."""
     chosen = options()
     rows = [row for row in ROWS if row.name in chosen.rows]
+    unpack(ARCHIVE, chosen.out)
     if chosen.table:
         (ROOT / "results" / "damage.md").write_text(table(chosen), encoding="utf-8")
         sys.stdout.write("results/damage.md\n")

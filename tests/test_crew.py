@@ -6,7 +6,7 @@ import threading
 import pytest
 import torch
 
-from weingarten.crew import Crew, crew_for
+from weingarten.crew import THREADS, Crew, crew_for
 
 
 @pytest.mark.parametrize("crew", [Crew(), Crew(1), Crew(3)])
@@ -127,3 +127,35 @@ def test_an_error_keeps_nothing_of_the_crew_alive():
     finally:
         gc.enable()
     assert gone
+
+
+def test_a_thread_that_begins_beside_a_crew_has_the_crew_that_it_would_have_alone():
+    """And leaves the process's number of threads as it was, whichever of the two ends last."""
+    before, sizes = torch.get_num_threads(), []
+
+    def beside() -> None:
+        THREADS.join()
+        own = crew_for(torch.device("cpu"))
+        with own:
+            sizes.extend([own.size, torch.get_num_threads()])
+        sizes.append(torch.get_num_threads())
+
+    def later() -> None:
+        sizes.append(torch.get_num_threads())
+
+    try:
+        torch.set_num_threads(2)
+        with Crew(2):
+            for work in (beside, beside):
+                thread = threading.Thread(target=work)
+                thread.start()
+                thread.join()
+        assert sizes == [2, 1, 2] * 2
+        assert torch.get_num_threads() == 2
+        sizes.clear()
+        thread = threading.Thread(target=later)
+        thread.start()
+        thread.join()
+        assert sizes == [2]
+    finally:
+        torch.set_num_threads(before)

@@ -1,12 +1,15 @@
 """Files appear whole or not at all: write to a temporary name beside the target, then rename."""
 
 import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+import secrets
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from weingarten.errors import OutputError
+
+STEM = 60
+"""Characters of a name that its temporary name keeps: the whole of it might be too long."""
 
 
 def check_writable(path: Path) -> None:
@@ -28,13 +31,10 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises OutputError when the folder is missing or read-only, or the disk is full.
     """
     check_writable(path)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
+    temporary = path.with_name(f".{path.stem[:STEM]}-{secrets.token_hex(4)}{path.suffix}")
     try:
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
+        # as any new file, with the permissions that the umask leaves; never one that is there
+        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield temporary
         with temporary.open("rb") as stream:
             os.fsync(stream.fileno())
@@ -42,4 +42,13 @@ def replacing(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise OutputError(f"{path} could not be written: {error.strerror or error}.") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def remove_leftovers(folder: Path, names: Iterable[str]) -> None:
+    """Remove what a killed process left of files with these names, where no other process writes them."""
+    for name in names:
+        path = Path(name)
+        for temporary in folder.glob(f".{path.stem[:STEM]}-????????{path.suffix}"):
+            temporary.unlink(missing_ok=True)

@@ -17,6 +17,46 @@ Answer = TypeVar("Answer")
 Job = Callable[[], object]
 
 
+class Threads:
+    """How many threads torch takes for an operation, in a process where several crews may be at work.
+
+    Torch keeps a number for every thread, which takes the process's with its first operation; to set a
+    thread's is to set the process's as well. A thread that begins while another one's crew is at work would
+    take that crew's single thread for the process's choice, and make its own crew, and its sums, otherwise.
+    """
+
+    def __init__(self) -> None:
+        self.lock = Lock()
+        self.crews = 0
+        self.outside = 1
+
+    def join(self) -> None:
+        """Have the calling thread begin with the number that the process has outside of all crews."""
+        with self.lock:
+            if self.crews > 0:
+                torch.set_num_threads(self.outside)
+
+    def single(self) -> int:
+        """One for the calling thread from here on; the number that `again` is to be given."""
+        with self.lock:
+            before = torch.get_num_threads()
+            if self.crews == 0:
+                self.outside = before
+            self.crews += 1
+            torch.set_num_threads(1)
+        return before
+
+    def again(self, before: int) -> None:
+        """The number that the calling thread had."""
+        with self.lock:
+            self.crews -= 1
+            torch.set_num_threads(before)
+
+
+THREADS = Threads()
+"""Of the process, as torch's own number is."""
+
+
 class Crew:
     """So many threads, of which the calling one is the first; the others live within `with crew:`.
 
@@ -40,9 +80,7 @@ class Crew:
 
     def __enter__(self) -> None:
         """Have the others come; within another `with` of the same crew they are there."""
-        self.before.append(torch.get_num_threads())
-        if self.size > 1:
-            torch.set_num_threads(1)
+        self.before.append(THREADS.single() if self.size > 1 else torch.get_num_threads())
         if len(self.before) == 1:
             self.others = [Thread(target=self._help, daemon=True) for _ in range(self.size - 1)]
             for thread in self.others:
@@ -59,7 +97,8 @@ class Crew:
             # what an error outside of all jobs left behind is not the next one's
             self.jobs.clear()
             self.open, self.error = 0, None
-        torch.set_num_threads(threads)
+        if self.size > 1:
+            THREADS.again(threads)
 
     def begin(self, job: Job) -> None:
         """Have a job done by whoever is free next; it may begin others."""

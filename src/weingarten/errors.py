@@ -20,6 +20,10 @@ class OutputError(WeingartenError):
     """A result cannot be written where it was asked for."""
 
 
+class BusyError(WeingartenError):
+    """A run folder is being written by another process."""
+
+
 class OptionError(WeingartenError):
     """An option or argument has a value outside what is documented."""
 

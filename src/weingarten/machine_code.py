@@ -1,8 +1,11 @@
 """Functions that numba compiles to machine code when they are first called."""
 
+import os
 from typing import Any
 
-from numba import njit
+from numba import config, njit
+
+LOCATION = ("CACHE_DIR", "CACHE_LOCATOR_CLASSES")
 
 
 def machine_code(fastmath: bool | set[str]) -> Any:
@@ -10,6 +13,10 @@ def machine_code(fastmath: bool | set[str]) -> Any:
 
     def decorated(function: Any) -> Any:
         options = {"nogil": True, "fastmath": fastmath, "error_model": "numpy"}
+        # numba takes settings from a .numba_config.yaml in the current folder, which may be a run folder from
+        # elsewhere; a cache named there would have its pickled code run
+        for name in LOCATION:
+            setattr(config, name, os.environ.get(f"NUMBA_{name}", ""))
         try:
             return njit(cache=True, **options)(function)
         except (RuntimeError, OSError):

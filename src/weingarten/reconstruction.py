@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 from torch import nn
 
-from weingarten.crew import Crew, crew_for
+from weingarten.crew import THREADS, Crew, crew_for
 from weingarten.device import chosen_device
 from weingarten.errors import FitError
 from weingarten.fit import checkpoint
@@ -26,6 +26,7 @@ from weingarten.scan.thinning import thinned
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
 from weingarten.summary import Summary, borne_out, summarise
+from weingarten.surface.cloud_planes import cloud_planes
 from weingarten.surface.contour import extraction
 from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.outer_faces import within_outer_faces
@@ -106,36 +107,39 @@ def reconstruct(
     module: a network f: (n, 3) → (n,) of the unit frame to fit instead of a SIREN.
     observer: who watches.
 
-    Raises CloudError for points that hold no part, CheckpointError for a run folder of another fit,
-    DeviceError, ExtractionError when the field has no surface, FitError when the loss is not finite.
+    Raises CloudError for points that hold no part, CheckpointError for a run folder of another fit, BusyError
+    for one that another process writes, OutputError where it cannot be written, DeviceError, ExtractionError
+    when the field has no surface, FitError when the loss is not finite.
     """
     settings = settings or resolve()
     observer = observer or Observer()
     clock = Clock(observer)
     target = chosen_device(device)
     keeper = keeper_of(run_folder)
-    clock.phase("preparing")
-    start = Start.of(points, settings, target, module)
-    loop = loop_of(settings, start.field, start.draws, start.generator, start.noise)
-    origin = start.origin
-    oracle = None if truth is None else Oracle(truth)
-    found = None
-    if resume:
-        found = keeper.found()
-        checkpoint.check_same(found.origin, origin)
-        found.restore(loop)
+    THREADS.join()
+    with keeper.held():
+        clock.phase("preparing")
+        start = Start.of(points, settings, target, module)
+        loop = loop_of(settings, start.field, start.draws, start.generator, start.noise)
+        origin = start.origin
+        oracle = None if truth is None else Oracle(truth)
+        found = None
+        if resume:
+            found = keeper.found()
+            checkpoint.check_same(found.origin, origin)
+            found.restore(loop)
+            if oracle is not None:
+                oracle.restore(found)
+        for note in start.notes:
+            observer.note(note)
+        keeper.begin(origin, start.cloud, found)
+        observer.expect(estimate(loop, settings.resolution), settings.steps)
+        clock.phase("fitting")
+        finished, loss = fit(loop, origin, keeper, observer, oracle)
         if oracle is not None:
-            oracle.restore(found)
-    for note in start.notes:
-        observer.note(note)
-    keeper.begin(origin, start.cloud, found)
-    observer.expect(estimate(loop, settings.resolution), settings.steps)
-    clock.phase("fitting")
-    finished, loss = fit(loop, origin, keeper, observer, oracle)
-    if oracle is not None:
-        oracle.choose(loop)
-    result = concluded(start, loop.field, Ending(loop.step, finished, loss), clock, loop.crew)
-    keeper.finish(result.mesh, result.summary)
+            oracle.choose(loop)
+        result = concluded(start, loop.field, Ending(loop.step, finished, loss), clock, loop.crew)
+        keeper.finish(result.mesh, result.summary)
     return result
 
 
@@ -223,7 +227,8 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     """
     values, settings = field_values(module, crew), origin.settings
     lower, upper = np.array(origin.lower), np.array(origin.upper)
-    mesher = SharpContour(field_planes(module, crew)) if settings.sharp else marching_cubes
+    planes = field_planes(module, crew)
+    mesher = SharpContour(planes, cloud_planes(unit, planes)) if settings.sharp else marching_cubes
     found = extraction(values, lower, upper, settings.resolution, BATCH, crew, mesher)
     mesh = drop_ghosts(found.mesh, unit)
     notes = found.notes
@@ -249,6 +254,7 @@ def remesh(
 
     points: of its run, world units. resolution, sharp, trim: those of its settings unless given.
     """
+    THREADS.join()
     field, frame, settings = WorldField.of(found, device), found.origin.frame, found.origin.settings
     settings = replace(
         settings,

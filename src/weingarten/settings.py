@@ -13,6 +13,8 @@ from weingarten.methods import METHODS, method_named
 from weingarten.schedules.schedule import Knots
 from weingarten.schedules.weight import weight_of
 
+PLAIN = (str, int, float, bool)
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -69,12 +71,30 @@ class Settings:
 
     @classmethod
     def from_dict(cls, values: dict) -> "Settings":
-        """The inverse of as_dict. Raises KeyError or TypeError for anything else."""
-        known: dict[str, Any] = {field.name: values[field.name] for field in fields(cls)}
+        """The inverse of as_dict. Raises KeyError, TypeError, ValueError or OptionError for anything else."""
+        known: dict[str, Any] = {
+            field.name: plain(values[field.name], field.type) for field in fields(cls) if field.type in PLAIN
+        }
         for name in ("knots", "stencil"):
             known[name] = tuple((float(time), float(value)) for time, value in values[name])
         known["ramp"] = (float(values["ramp"][0]), float(values["ramp"][1]))
-        return cls(**known)
+        settings = cls(**known)
+        settings.check()
+        return settings
+
+    def check(self) -> None:
+        """Raise OptionError for a value out of range."""
+        check_range("--seed", self.seed, 0, 2**63 - 1)
+        check_range("--steps", self.steps, 1, 10_000_000)
+        check_range("--points-per-step", self.points, 1, 10_000_000)
+        check_range("--resolution", self.resolution, 8, 4096)
+        check_range("The width of a field", self.width, 1, 4096)
+        check_range("The depth of a field", self.depth, 1, 64)
+        check_range("The weights of a field", self.width**2 * self.depth, 1, 1 << 27)
+        if not 0.0 < self.frequency < math.inf:
+            raise OptionError(f"The frequency of a field must be a positive number; got {self.frequency:g}.")
+        if not 0.0 < self.rate <= 1.0:
+            raise OptionError(f"--rate must be above 0 and at most 1; got {self.rate:g}.")
 
 
 STANDARD = Settings(
@@ -165,12 +185,7 @@ def resolve(
         sharp=base.sharp if sharp is None else sharp,
         trim=base.trim if trim is None else check_trim(trim),
     )
-    check_range("--seed", settings.seed, 0, 2**63 - 1)
-    check_range("--steps", settings.steps, 1, 10_000_000)
-    check_range("--points-per-step", settings.points, 1, 10_000_000)
-    check_range("--resolution", settings.resolution, 8, 4096)
-    if not 0.0 < settings.rate <= 1.0:
-        raise OptionError(f"--rate must be above 0 and at most 1; got {settings.rate:g}.")
+    settings.check()
     return settings
 
 
@@ -182,6 +197,15 @@ def scheduled(row: Method, schedule: str | None, knots: Knots | None) -> dict[st
     if knots is not None:
         weight = weight_of(weight.shape, knots)
     return {"term": row.scheduled_term.name, "shape": weight.shape, "knots": weight.knots}
+
+
+def plain(value: object, kind: type) -> object:
+    """A value of this kind, a whole number where a float is wanted as one. Raises TypeError for another."""
+    if kind is float and type(value) is int:
+        return float(value)
+    if type(value) is not kind:
+        raise TypeError(f"{value!r} is no {kind.__name__}")
+    return value
 
 
 def check_trim(distance: float) -> float:

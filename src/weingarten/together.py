@@ -6,6 +6,7 @@ from typing import TypeVar, cast
 import numpy as np
 from jaxtyping import Float64
 
+from weingarten.crew import THREADS
 from weingarten.device import chosen_device
 from weingarten.errors import FitError, OptionError, WeingartenError
 from weingarten.fields.ensemble import Ensemble
@@ -45,6 +46,7 @@ def reconstruct_many(
     """
     settings, observer, target = settings or resolve(), observer or Observer(), chosen_device(device)
     check_joint(settings)
+    THREADS.join()
     clocks = [Clock(observer) for _ in clouds]
     errors: Errors = {}
 

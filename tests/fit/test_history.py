@@ -89,9 +89,8 @@ def test_a_resumed_fit_has_the_snapshots_of_an_uninterrupted_one(ball, whole, tm
     wg.reconstruct(ball, settings, run_folder=run, observer=Impatient(9))
     assert steps_kept(run / FOLDER) == [step for step in steps_kept(whole[0] / FOLDER) if step <= 9]
     (run / FOLDER / "0000023.safetensors").write_bytes(b"of steps that were lost")
-    (run / FOLDER / ".0000010-half").write_bytes(b"left by a kill")
+    (run / FOLDER / ".0000010-abcdefgh.safetensors").write_bytes(b"left by a kill")
     wg.reconstruct(ball, settings, run_folder=run, resume=True)
-    (run / FOLDER / ".0000010-half").unlink()
     assert contents(run) == contents(whole[0])
     assert (run / "mesh.ply").read_bytes() == (whole[0] / "mesh.ply").read_bytes()
 
@@ -105,7 +104,7 @@ def test_another_fit_in_the_folder_begins_without_those_of_the_first(ball, whole
 
 
 def test_what_is_no_snapshot_is_said(whole, tmp_path):
-    with pytest.raises(CheckpointError, match="cannot be read"):
+    with pytest.raises(CheckpointError, match="no snapshot"):
         weights(whole[0] / FOLDER, 7)
     (tmp_path / "0000007.safetensors").write_bytes(b"nothing of the kind")
     with pytest.raises(CheckpointError, match="cannot be read"):

@@ -43,10 +43,8 @@ def comb(count, fins, seed=0):
 
 
 def known(doubtful, radius, count=1000):
-    """So many normals of length 1 or 0."""
-    normals = np.zeros((count, 3))
-    normals[round(doubtful * count) :, 0] = 1.0
-    return Orientation(normals, radius)
+    """With such a share of neighbourhoods that are not flat."""
+    return Orientation(np.tile([1.0, 0.0, 0.0], (count, 1)), radius, doubtful)
 
 
 def test_it_is_the_root_of_the_length_of_edges_per_area():

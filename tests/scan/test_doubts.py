@@ -17,7 +17,7 @@ def of(points):
 
 
 def test_nothing_speaks_against_a_good_scan():
-    assert doubts(Noise(), 0.9, (), 10.0) == ()
+    assert doubts(Noise(), 0.95, (), 10.0) == ()
     assert of(sample_part("bracket", 20_000, 0)) == ()
 
 

@@ -38,6 +38,34 @@ def test_a_rounded_edge_is_two_planes_again(radius):
     assert (square > 0.98).mean() > 0.9
 
 
+def test_a_wide_round_of_45_degrees_is_an_edge_where_its_planes_are_known():
+    """Nothing flat is within reach: without the known planes the round stays."""
+    turn = np.linspace(0.0, np.pi / 4, 13)
+    radius, along = 0.05, np.arange(-0.06, 0.06, STEP)
+    normals = np.column_stack([np.sin(turn), np.cos(turn), 0 * turn])
+    arc = radius * (normals - [0.0, 1.0, 0.0])
+    layers = np.concatenate([arc + np.array([0.0, 0.0, z]) for z in along])
+    planes = Planes(layers, np.tile(normals, (len(along), 1)), np.full(len(layers), 1 / radius))
+    sides = np.random.default_rng(0).uniform([-0.04, -0.06], [0.0, 0.06], (200, 2))
+    first = np.column_stack([sides[:, 0], 0 * sides[:, 0], sides[:, 1]])
+    c = np.sqrt(0.5)
+    corner = np.array([radius * np.tan(np.pi / 8), 0.0, 0.0])
+    second = corner - (sides[:, :1] - corner[0]) * np.array([c, -c, 0.0]) + sides[:, 1:] * [0.0, 0.0, 1.0]
+    flat = np.array([[0.0, 1.0, 0.0], [c, c, 0.0]])
+    known = Planes(np.concatenate([first, second]), flat.repeat(200, axis=0), np.zeros(400))
+
+    def blurred(found):
+        return np.degrees(np.arccos(np.clip((found @ flat.T).max(axis=1), -1.0, 1.0)))
+
+    inner = np.abs(layers[:, 2]) < 0.04
+    before = np.median(blurred(unrounded(planes)[1][inner]))
+    points, turned = unrounded(planes, known)
+    assert np.median(blurred(turned[inner])) < 0.3 * before
+    nearer = flat[(turned[inner] @ flat.T).argmax(axis=1)]
+    off, was = (np.abs(((at[inner] - corner) * nearer).sum(axis=1)) for at in (points, layers))
+    assert np.median(off) < 0.4 * np.median(was)
+
+
 def test_a_plane_is_left_alone():
     draw = np.random.default_rng(0)
     points = np.concatenate([draw.uniform(-0.5, 0.5, (500, 2)), np.zeros((500, 1))], axis=1)

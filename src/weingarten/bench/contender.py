@@ -5,6 +5,7 @@ know when to stop, as the paper's tables were made (method §2).
 """
 
 import csv
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from weingarten.bench.poisson import NEIGHBOURS, SCREENING, screened_poisson, so
 from weingarten.errors import CheckpointError
 from weingarten.fit.run_folder import RunFolder
 from weingarten.io.mesh import write_mesh
+from weingarten.io.reading import reading
 from weingarten.mesh import Mesh
 from weingarten.reconstruction import Result, reconstruct
 from weingarten.scan.sampling import Points
@@ -172,7 +174,10 @@ def attempt(make: Callable[[Scan], Made], scan: Scan) -> Made | Exception:
 
 def seconds_of(curve: Path) -> float:
     """Of all steps that a loss curve holds; 0 without one."""
-    if not curve.exists():
+    if not curve.is_file():
         return 0.0
-    with curve.open(newline="", encoding="utf-8") as stream:
-        return sum(float(row["seconds"]) for row in csv.DictReader(stream) if row["seconds"])
+    with (
+        reading(curve, kind="a loss curve", remedy="delete it, and it is made again"),
+        curve.open(newline="", encoding="utf-8") as stream,
+    ):
+        return math.fsum(float(row["seconds"]) for row in csv.DictReader(stream) if row.get("seconds"))

@@ -18,8 +18,10 @@ import numpy as np
 
 from weingarten.atomic import replacing
 from weingarten.bench.parts import Part
-from weingarten.errors import InputError, OutputError
+from weingarten.errors import OutputError
 from weingarten.io.mesh import read_mesh
+from weingarten.io.points import read_points
+from weingarten.io.reading import check_readable, reading
 from weingarten.mesh import Mesh
 from weingarten.scan.sampling import Points
 
@@ -91,7 +93,7 @@ class Store:
         """The points that all contenders get, world frame; kept the first time."""
         path = self.path / "clouds" / part.name / f"seed{seed}.npy"
         if path.exists():
-            return np.load(path, allow_pickle=False)
+            return read_points(path)
         points = part.scan(count, seed)
         make_folder(path.parent)
         with replacing(path) as temporary, temporary.open("wb") as stream:
@@ -120,10 +122,12 @@ def read(path: Path) -> dict[str, Any]:
     """A JSON object; empty where there is no file. Raises InputError for anything else."""
     if not path.exists():
         return {}
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path} cannot be read ({error}); delete it, and it is made again.") from error
+    check_readable(path, [".json"])
+    with reading(path, remedy="delete it, and it is made again"):
+        values = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(values, dict):
+            raise ValueError("it holds no object")
+        return values
 
 
 def write(path: Path, values: dict[str, Any]) -> None:

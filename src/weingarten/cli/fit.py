@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from weingarten.cli.importing import importing
 from weingarten.cli.mesh import TRIM_HELP
 from weingarten.cli.switch import SWITCH
-from weingarten.errors import OptionError
+from weingarten.errors import OptionError, OutputError
 
 if TYPE_CHECKING:
     from weingarten.reconstruction import Result
@@ -86,7 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.cli.mesh_source import load
         from weingarten.cli.progress import progress
         from weingarten.device import chosen_device
-        from weingarten.fit.run_folder import SpareFolder
+        from weingarten.fit.run_folder import RunFolder
+        from weingarten.fit.spare_folder import SpareFolder
         from weingarten.io.mesh import check_mesh_path, write_mesh
         from weingarten.io.points import read_points
         from weingarten.reconstruction import reconstruct
@@ -116,19 +117,23 @@ def run(arguments: argparse.Namespace) -> int:
     truth = None if arguments.oracle is None else load(arguments.oracle)
     points = read_points(arguments.cloud)
     keep_freed_memory()
-    spare = arguments.output.with_suffix(".run")
+    beside = arguments.output.with_suffix(".run")
+    keeper = SpareFolder(beside) if arguments.folder is None else RunFolder(arguments.folder)
     observer = progress(arguments.quiet)
     with observer.listening():
-        result = reconstruct(
-            points,
-            settings,
-            device=arguments.device,
-            run_folder=arguments.folder or SpareFolder(spare),
-            resume=arguments.resume,
-            truth=truth,
-            observer=observer,
-        )
-        notes = write_mesh(arguments.output, result.mesh)
+        try:
+            result = reconstruct(
+                points,
+                settings,
+                device=arguments.device,
+                run_folder=keeper,
+                resume=arguments.resume,
+                truth=truth,
+                observer=observer,
+            )
+            notes = write_mesh(arguments.output, result.mesh)
+        except OutputError as error:
+            raise OutputError(going_on(error, keeper.keep(), arguments)) from error
         for note in notes:
             observer.note(note)
     if arguments.picture is not None:
@@ -139,14 +144,26 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stderr.write("\n".join(sentences(arguments.output, result)) + "\n")
     if result.finished:
         return 0
-    again = (
-        f"weingarten fit {arguments.cloud} -o {arguments.output} --run {arguments.folder or spare} --resume"
-    )
     sys.stderr.write(
         f"Interrupted after step {result.summary.steps} of {result.summary.of_steps}; go on with:\n"
     )
-    sys.stderr.write(f"  {again}{repeated(arguments)}\n")
+    sys.stderr.write(f"  {resuming(keeper.keep() or beside, arguments)}\n")
     return INTERRUPTED
+
+
+def going_on(error: OutputError, folder: Path | None, arguments: argparse.Namespace) -> str:
+    """What to say of a file that could not be written: where the fit is, and how to go on with it."""
+    said = str(error).rstrip(".")
+    if folder is None:
+        return f"{said}; the fit could not be kept anywhere, make room and start it again."
+    return f"{said}; the fit is kept in {folder}, make room and go on with: {resuming(folder, arguments)}"
+
+
+def resuming(folder: Path, arguments: argparse.Namespace) -> str:
+    """The command that goes on with the fit kept in `folder`."""
+    return (
+        f"weingarten fit {arguments.cloud} -o {arguments.output} --run {folder} --resume{repeated(arguments)}"
+    )
 
 
 def as_json(output: Path, result: "Result") -> dict[str, object]:

@@ -5,24 +5,31 @@ Tensors go through safetensors, all else as JSON in its header; nothing in the f
 
 import hashlib
 import json
+import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import torch
 from jaxtyping import Float64
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors import safe_open
+from safetensors.torch import save as packed
 from torch import Tensor
 
 from weingarten.atomic import replacing
 from weingarten.errors import CheckpointError
 from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
+from weingarten.io.reading import reading
 from weingarten.settings import Settings
 
 FORMAT = "weingarten-6"
 EXTRACTION = ("resolution", "sharp", "trim")
 """Settings that a fit may be resumed with otherwise: they are of its surface, not of its field."""
+
+FARTHEST = 2.0
+"""No box of a surface reaches so far, unit lengths."""
 
 KEPT = "kept."
 """Prefix of weights kept for the mesh while the fit goes on with others (the oracle's)."""
@@ -60,19 +67,24 @@ class Checkpoint:
     def restore(self, loop: Loop) -> None:
         """Bring a fresh loop of the same settings to this state, to the bit.
 
-        Raises CheckpointError where the loop draws on another kind of device.
+        Raises CheckpointError where the loop draws on another kind of device, or the state is another loop's.
         """
-        state = self.tensors["generator"]
+        state = self.tensors.get("generator", torch.empty(0))
         if state.shape != loop.generator.get_state().shape:
             raise CheckpointError(
                 "The checkpoint was written on another kind of device; resume it with its own --device."
             )
-        loop.field.load_state_dict(self.field_state())
-        for index, optimiser in enumerate(loop.optimisers):
-            optimiser.restore(prefixed(self.tensors, f"optimiser.{index}."))
-        loop.generator.set_state(state)
-        for name, own in loop.adaptive.items():
-            own.restore(self.adaptive[name])
+        try:
+            loop.field.load_state_dict(self.field_state())
+            for index, optimiser in enumerate(loop.optimisers):
+                optimiser.restore(prefixed(self.tensors, f"optimiser.{index}."))
+            loop.generator.set_state(state)
+            for name, own in loop.adaptive.items():
+                own.restore(self.adaptive[name])
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            raise CheckpointError(
+                "The checkpoint does not fit its own settings; delete it and start the fit anew."
+            ) from error
         loop.step = self.step
 
 
@@ -94,34 +106,52 @@ def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor
         "extra": extra,
         "adaptive": {name: own.state() for name, own in loop.adaptive.items()},
     }
+    # written here rather than by safetensors, whose error for a full disk is no OSError
+    content = packed(
+        {name: value.detach().cpu().contiguous() for name, value in tensors.items()},
+        {"weingarten": json.dumps(header)},
+    )
     with replacing(path) as temporary:
-        save_file(
-            {name: value.detach().cpu().contiguous() for name, value in tensors.items()},
-            temporary,
-            metadata={"weingarten": json.dumps(header)},
-        )
+        temporary.write_bytes(content)
 
 
 def load(path: Path) -> Checkpoint:
     """Read a checkpoint. Raises CheckpointError when there is none, or it is corrupted or of another kind."""
     if not path.is_file():
         raise CheckpointError(f"There is no checkpoint at {path}; start the fit without --resume.")
-    try:
+    with reading(path, CheckpointError, "a checkpoint", "it is corrupted: delete it and start the fit anew"):
         with safe_open(path, framework="pt") as file:
             header = json.loads((file.metadata() or {})["weingarten"])
-            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            # copies: the tensors are the file itself, and would go with it if somebody wrote into it
+            tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
         if header["format"] != FORMAT:
             raise CheckpointError(
                 f"{path} is of format {header['format']!r}, not {FORMAT!r}; start the fit anew."
             )
-        frame = Frame(tuple(header["frame"]["centre"]), header["frame"]["scale"])
         settings = Settings.from_dict(header["settings"])
-        origin = Origin(
-            settings, frame, header["fingerprint"], tuple(header["lower"]), tuple(header["upper"])
+        frame = Frame(triple(header["frame"]["centre"]), scale(header["frame"]["scale"]))
+        lower, upper = triple(header["lower"]), triple(header["upper"])
+        if not all(-FARTHEST < low <= high < FARTHEST for low, high in zip(lower, upper, strict=True)):
+            raise ValueError("its box is none")
+        origin = Origin(settings, frame, str(header["fingerprint"]), lower, upper)
+        return Checkpoint(
+            origin, int(header["step"]), tensors, dict(header["extra"]), dict(header["adaptive"])
         )
-        return Checkpoint(origin, int(header["step"]), tensors, header["extra"], header["adaptive"])
-    except (SafetensorError, OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise CheckpointError(f"{path} is corrupted ({error}); delete it and start the fit anew.") from error
+
+
+def triple(values: Sequence[float]) -> tuple[float, float, float]:
+    """Three finite numbers; ValueError for anything else."""
+    x, y, z = map(float, values)
+    if not all(map(math.isfinite, (x, y, z))):
+        raise ValueError("its coordinates are not finite")
+    return x, y, z
+
+
+def scale(value: float) -> float:
+    """A finite number above zero; ValueError for anything else."""
+    if not 0.0 < float(value) < math.inf:
+        raise ValueError("its scale is not positive")
+    return float(value)
 
 
 def check_same(found: Origin, wanted: Origin) -> None:

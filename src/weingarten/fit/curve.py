@@ -11,10 +11,13 @@ Columns = dict[str, Float64[np.ndarray, " _"]]
 
 def read_curve(path: Path) -> Columns:
     """The columns of a loss.csv as far as it is whole; empty without one."""
-    if not path.exists():
+    if not path.is_file():
         return {}
-    with path.open(newline="", encoding="utf-8") as stream:
-        head, *rows = [*csv.reader(stream)] or [[]]
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            head, *rows = [*csv.reader(stream)] or [[]]
+    except (csv.Error, UnicodeDecodeError):
+        return {}
     rows = [row for row in rows if len(row) == len(head)]
     if "progress" not in head or not rows:
         return {}

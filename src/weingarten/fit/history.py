@@ -43,6 +43,8 @@ class History:
             for step in steps_kept(self.path):
                 if step > self.seen:
                     place(self.path, step).unlink()
+            for leftover in self.path.glob(f".*-????????{EXTENSION}"):
+                leftover.unlink()
             if self.most:
                 self.path.mkdir(exist_ok=True)
         except OSError as error:
@@ -84,6 +86,8 @@ def place(folder: Path, step: int) -> Path:
 def weights(folder: Path, step: int) -> dict[str, Tensor]:
     """The field's weights after a step, for load_state_dict. Raises CheckpointError."""
     path = place(folder, step)
+    if not path.is_file():
+        raise CheckpointError(f"There is no snapshot at {path}.")
     try:
         found = load_file(path)
     except (SafetensorError, OSError, ValueError) as error:

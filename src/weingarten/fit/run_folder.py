@@ -1,12 +1,13 @@
 """The folder of one fit: config.toml, loss.csv, checkpoint, cloud.npy, history/, mesh.ply, summary.json.
 
-There is a summary of a fit that has ended, and of no other. A fit without a folder uses `NoFolder`, so that
-nothing asks whether there is one.
+There is a summary of a fit that has ended, and of no other. While a fit is written there, a file `lock` says
+by whom. A fit without a folder uses `NoFolder`, so that nothing asks whether there is one.
 """
 
 import csv
 import json
 import math
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
@@ -14,13 +15,16 @@ import numpy as np
 import tomli_w
 from jaxtyping import Float64
 
-from weingarten.atomic import replacing
-from weingarten.errors import CheckpointError, OutputError
+from weingarten.atomic import remove_leftovers, replacing
+from weingarten.errors import CheckpointError, InputError, OutputError
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
 from weingarten.fit.history import SNAPSHOTS, History
+from weingarten.fit.lock import held
 from weingarten.fit.loop import Loop, Record
 from weingarten.io.mesh import write_mesh
+from weingarten.io.points import read_points
+from weingarten.io.reading import reading
 from weingarten.mesh import Mesh
 from weingarten.summary import Summary
 
@@ -30,6 +34,10 @@ Points = Float64[np.ndarray, "n 3"]
 @runtime_checkable
 class Keeper(Protocol):
     """Whoever keeps what a fit leaves behind."""
+
+    def held(self) -> AbstractContextManager[None]:
+        """Entered before all else and left when all is done; OutputError where another fit is being kept."""
+        ...
 
     def found(self) -> Checkpoint:
         """The checkpoint to go on from; CheckpointError where there is none."""
@@ -59,6 +67,10 @@ class Keeper(Protocol):
 class NoFolder:
     """Keeps nothing."""
 
+    def held(self) -> AbstractContextManager[None]:
+        """See Keeper."""
+        return nullcontext()
+
     def found(self) -> Checkpoint:
         """There is none."""
         raise CheckpointError("A fit without a run folder cannot be resumed; name its folder.")
@@ -79,6 +91,11 @@ class NoFolder:
         """See Keeper."""
 
 
+EARLIER = ("checkpoint.safetensors", "summary.json", "mesh.ply")
+"""What a fit leaves behind that another one must not be taken for."""
+FILES = (*EARLIER, "config.toml", "cloud.npy", "loss.csv")
+
+
 class RunFolder:
     """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be.
 
@@ -93,6 +110,14 @@ class RunFolder:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"The run folder {path} cannot be made: {error.strerror}.") from error
+
+    def held(self) -> AbstractContextManager[None]:
+        """See Keeper: no other process writes here."""
+        return held(self.path)
+
+    def keep(self) -> Path | None:
+        """The folder, if a fit can go on from there."""
+        return self.path if self.checkpoint.is_file() else None
 
     @property
     def checkpoint(self) -> Path:
@@ -119,20 +144,36 @@ class RunFolder:
         return self.path / "summary.json"
 
     def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
-        """Write what is known before the first step; keep curve and snapshots up to a resumed checkpoint."""
-        self.summary.unlink(missing_ok=True)
+        """Write what is known before the first step; keep curve and snapshots up to a resumed checkpoint.
+
+        What the folder holds of an earlier fit goes first, its checkpoint before all else: whenever the
+        process dies, the folder holds one fit or none.
+        """
+        remove_leftovers(self.path, FILES)
+        for name in ("summary.json",) if resumed else EARLIER:
+            (self.path / name).unlink(missing_ok=True)
         self.history.begin(None if resumed is None else resumed.step)
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
-        if resumed is None or not self.cloud.exists():
+        if resumed is None or not self.cloud.is_file():
             with replacing(self.cloud) as temporary, temporary.open("wb") as stream:
                 np.save(stream, points, allow_pickle=False)
-        kept: list[list[str]] = []
-        if resumed is not None and self.curve.exists():
-            with self.curve.open(newline="") as stream:
-                kept = [row for row in csv.reader(stream) if row[:1] == ["step"] or before(row, resumed.step)]
+        kept = [] if resumed is None else self.curve_until(resumed.step)
         with replacing(self.curve) as temporary, temporary.open("w", newline="") as stream:
             csv.writer(stream).writerows(kept)
+
+    def curve_until(self, step: int) -> list[list[str]]:
+        """The head of the loss curve and its rows before `step`; nothing before 0, whose row brings a head.
+
+        Raises CheckpointError where it cannot be read.
+        """
+        if step == 0 or not self.curve.is_file():
+            return []
+        with (
+            reading(self.curve, CheckpointError, "a loss curve", "delete it, and resume without it"),
+            self.curve.open(newline="", encoding="utf-8") as stream,
+        ):
+            return [row for row in csv.reader(stream) if row[:1] == ["step"] or before(row, step)]
 
     def record(self, record: Record, seconds: float) -> None:
         """Note one step; it reaches the file with the next checkpoint."""
@@ -165,38 +206,6 @@ class RunFolder:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")
 
 
-class SpareFolder(NoFolder):
-    """Becomes a run folder if the fit is interrupted, and nothing otherwise."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.origin: Origin | None = None
-        self.records: list[tuple[Record, float]] = []
-
-    def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
-        """See Keeper."""
-        self.points = points
-
-    def record(self, record: Record, seconds: float) -> None:
-        """See Keeper."""
-        self.records.append((record, seconds))
-
-    def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
-        """See Keeper."""
-        self.loop, self.origin, self.state = loop, origin, (tensors, extra)
-
-    def finish(self, mesh: Mesh, summary: Summary) -> None:
-        """See Keeper."""
-        if summary.finished or self.origin is None:
-            return
-        folder = RunFolder(self.path)
-        folder.begin(self.origin, self.points, None)
-        for record, seconds in self.records:
-            folder.record(record, seconds)
-        folder.save(self.loop, self.origin, *self.state)
-        folder.finish(mesh, summary)
-
-
 def opened(path: Path) -> tuple[Checkpoint, Points]:
     """Checkpoint and cloud (world units) of a run folder, for reading; CheckpointError if unreadable."""
     if not path.is_dir():
@@ -205,10 +214,11 @@ def opened(path: Path) -> tuple[Checkpoint, Points]:
         )
     found = checkpoint.load(path / "checkpoint.safetensors")
     try:
-        points = np.load(path / "cloud.npy", allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise CheckpointError(f"{path / 'cloud.npy'} cannot be read ({error}); run the fit again.") from error
-    if points.dtype != np.float64 or checkpoint.fingerprint(points) != found.origin.fingerprint:
+        points = read_points(path / "cloud.npy")
+    except InputError as error:
+        cause = str(error).rstrip(".")
+        raise CheckpointError(f"The cloud of this run is damaged: {cause}, or run the fit again.") from error
+    if checkpoint.fingerprint(points) != found.origin.fingerprint:
         raise CheckpointError(f"{path / 'cloud.npy'} is not the cloud of this run; run the fit again.")
     return found, points
 

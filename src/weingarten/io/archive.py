@@ -1,24 +1,25 @@
 """A guard against zip archives that unpack to far more than they are."""
 
-from zipfile import ZipFile, ZipInfo
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
 
-_ALWAYS_FINE = 64 << 20
+from weingarten.io.unfolding import check_unfolded
+
 _MOST_BYTES = 16 << 30
-_MOST_EXPANSION = 200
 
 
-def checked_members(archive: ZipFile) -> list[ZipInfo]:
-    """The archive's members; ValueError for one that claims more than 16 GiB or expands over 200-fold.
+def checked_members(archive: ZipFile, path: Path) -> list[ZipInfo]:
+    """The archive's members; ValueError where all together claim far more than the file at `path` is.
 
-    Members up to 64 MiB are always fine. zipfile never yields more than the size that a member claims.
+    zipfile never yields more than the size that a member claims, and checks its sum. Members may lie on top
+    of each other, so only the file's own size is to be relied on. What is packed otherwise than by deflate,
+    as neither NPZ nor 3MF are, may ask for gigabytes before its first byte, and is refused as well.
     """
-    for member in archive.infolist():
-        expansion = member.file_size / max(member.compress_size, 1)
-        if member.file_size > _MOST_BYTES or (
-            member.file_size > _ALWAYS_FINE and expansion > _MOST_EXPANSION
-        ):
-            raise ValueError(
-                f"its member {member.filename} would unpack to {member.file_size} bytes, "
-                f"{expansion:.0f} times its size"
-            )
-    return archive.infolist()
+    members = archive.infolist()
+    for member in members:
+        if member.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+            raise ValueError(f"its member {member.filename} is packed in an unusual way")
+        if member.file_size > _MOST_BYTES:
+            raise ValueError(f"its member {member.filename} would unpack to {member.file_size} bytes")
+    check_unfolded(sum(member.file_size for member in members), path.stat().st_size, "would unpack")
+    return members

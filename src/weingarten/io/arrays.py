@@ -1,9 +1,6 @@
 """NumPy's own files, NPY and NPZ. Pickles are never loaded, and headers are checked before use."""
 
-import math
-from io import BufferedIOBase
 from pathlib import Path
-from typing import IO
 from zipfile import ZipFile
 
 import numpy as np
@@ -11,14 +8,15 @@ from jaxtyping import Float64
 from numpy.lib import format as npy
 
 from weingarten.io.archive import checked_members
+from weingarten.io.npy_header import checked_header
 
 Points = Float64[np.ndarray, "n 3"]
-
-_HEADER_READERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
 
 def read_npy(path: Path) -> Points:
     """The first three columns of an (n, ≥3) array; ValueError for another shape, objects, truncation."""
+    with path.open("rb") as stream:
+        checked_header(stream, path.stat().st_size)
     return _positions(npy.open_memmap(path, mode="r"), "its array")
 
 
@@ -26,25 +24,14 @@ def read_npz(path: Path) -> Points:
     """The array `points`, (n, ≥3), or else the only (n, 3) array; ValueError when neither is there."""
     with ZipFile(path) as archive:
         headers = {}
-        for member in checked_members(archive):
+        for member in checked_members(archive, path):
             if member.filename.endswith(".npy"):
                 with archive.open(member) as stream:
-                    headers[member.filename] = _checked_header(stream, member.file_size)
+                    headers[member.filename] = checked_header(stream, member.file_size)
         name = _name_of_points(headers)
         with archive.open(name) as stream:
             array = npy.read_array(stream, allow_pickle=False)
     return _positions(array, f"its array {name.removesuffix('.npy')}")
-
-
-def _checked_header(stream: IO[bytes] | BufferedIOBase, size: int) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type of an array in a member of `size` bytes; ValueError when it cannot hold that much."""
-    version = npy.read_magic(stream)
-    if version not in _HEADER_READERS:
-        raise ValueError(f"an array has the unknown format version {version}")
-    shape, _, dtype = _HEADER_READERS[version](stream)
-    if math.prod(shape) * dtype.itemsize > size:
-        raise ValueError(f"an array's header promises shape {shape}, which its {size} bytes cannot hold")
-    return shape, dtype
 
 
 def _name_of_points(headers: dict[str, tuple[tuple[int, ...], np.dtype]]) -> str:

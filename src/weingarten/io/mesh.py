@@ -6,16 +6,17 @@ see write_stl, write_ply, write_obj, write_glb and write_threemf for what each d
 
 import importlib
 from collections.abc import Callable
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from zipfile import ZipFile
 
 import numpy as np
 from jaxtyping import Int64
 
 from weingarten.atomic import check_writable, replacing
 from weingarten.errors import MissingExtraError, OutputError
-from weingarten.io.archive import checked_members
+from weingarten.io.checked_glb import check_glb
+from weingarten.io.checked_threemf import check_threemf
 from weingarten.io.coincident import coincident
 from weingarten.io.glb import write_glb
 from weingarten.io.obj import write_obj
@@ -103,21 +104,30 @@ def _read_3mf(path: Path) -> Mesh:
             raise MissingExtraError(
                 f'Reading {path} needs {module}; install it with: pip install "weingarten[3mf]"'
             ) from error
-    with ZipFile(path) as archive:
-        checked_members(archive)
+    check_threemf(path)
+    return _read_trimesh(path)
+
+
+def _read_glb(path: Path) -> Mesh:
+    check_glb(path)
     return _read_trimesh(path)
 
 
 def _read_obj(path: Path) -> Mesh:
-    return _read_trimesh(path, maintain_order=True, skip_materials=True)
+    return _read_trimesh(path, maintain_order=True)
 
 
 def _read_trimesh(path: Path, **options: bool) -> Mesh:
     # a third of a second to import, which a fit need not spend
     import trimesh
 
+    # given a path, trimesh would open whatever other files this one names; given bytes, it finds none, and
+    # reads no more than there are, whatever the file announces
+    content, kind = BytesIO(path.read_bytes()), path.suffix.lower().removeprefix(".")
+    if kind in ("ply", "obj", "glb"):
+        options["skip_materials"] = True
     # process=True would merge vertices nearer than 1e-8, a thousandth of a part of size 1e-5
-    loaded = trimesh.load_mesh(path, process=False, **options)
+    loaded = trimesh.load_mesh(content, file_type=kind, process=False, **options)
     if not isinstance(loaded, trimesh.Trimesh):
         raise ValueError("it has no faces")
     return Mesh(
@@ -130,6 +140,6 @@ MESH_READERS: dict[str, Callable[[Path], Mesh]] = {
     ".ply": _read_trimesh,
     ".obj": _read_obj,
     ".off": _read_trimesh,
-    ".glb": _read_trimesh,
+    ".glb": _read_glb,
     ".3mf": _read_3mf,
 }

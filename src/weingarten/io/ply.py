@@ -170,9 +170,11 @@ def _ascii(path: Path, vertex: _Element, skipped: int, start: int) -> Points:
 
 def _positions(body: UInt8[np.ndarray, " b"], start: int, vertex: _Element, order: str) -> Points:
     """The vertices of a binary file whose vertex rows begin at byte `start`."""
+    # asked first: rows without properties take no bytes, so any number of them would fit
+    axes = vertex.axes
     starts, _ = _starts(body, start, vertex, order)
     points = np.empty((vertex.rows, 3))
-    for k, axis in enumerate(vertex.axes):
+    for k, axis in enumerate(axes):
         dtype = np.dtype(order + vertex.properties[axis].code)
         if starts is None:
             row = vertex.row(order, [])

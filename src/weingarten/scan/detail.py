@@ -1,8 +1,8 @@
 """How finely a part is detailed: how much edge its surface has, told by where neighbourhoods are not flat.
 
-A normal is not to be trusted (`weingarten.scan.orientation`) where its neighbourhood reaches across an edge:
-on a strip as wide as the neighbourhood on either side of it. With r the median radius of neighbourhoods and s
-the share of the points without a trusted normal,
+A neighbourhood is not flat (`weingarten.scan.orientation`) where it reaches across an edge: on a strip as
+wide as the neighbourhood on either side of it. With r the median radius of neighbourhoods and s the share of
+the points about which it is not flat,
 
     e = s / 2r
 
@@ -13,9 +13,7 @@ are moved little by it.
 
 import math
 
-import numpy as np
-
-from weingarten.scan.orientation import TRUSTED, Orientation
+from weingarten.scan.orientation import Orientation
 
 PLAIN = 2.5
 """Edge length per area, 1 / unit length, up to which waves as long as in Sitzmann et al. 2020 will do."""
@@ -24,12 +22,11 @@ FINEST = 1.6
 """Greatest factor: with more, waves are too short to lead from one known point to the next."""
 
 LEAST_KNOWN = 0.5
-"""Share of trusted normals below which noise, or too few points, and not edges have to be assumed."""
+"""Share of flat neighbourhoods below which noise, or too few points, and not edges have to be assumed."""
 
 
 def detail(found: Orientation) -> float:
     """By what factor the first layer's weights begin larger: √(e / PLAIN), from 1 to FINEST; unit frame."""
-    doubtful = float(np.mean(found.trust <= TRUSTED))
-    if doubtful > 1.0 - LEAST_KNOWN:
+    if found.bent > 1.0 - LEAST_KNOWN:
         return 1.0
-    return min(FINEST, math.sqrt(max(1.0, doubtful / (2.0 * found.radius) / PLAIN)))
+    return min(FINEST, math.sqrt(max(1.0, found.bent / (2.0 * found.radius) / PLAIN)))

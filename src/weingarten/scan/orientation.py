@@ -1,14 +1,16 @@
 """Normals of a cloud: directions from neighbourhoods, signs from free space, spread along the surface.
 
-A point's normal is the direction of least variance of its neighbourhood. Its sign is told by witnesses:
-points of known signed distance whose nearest point of the cloud it is, so that nothing of the surface lies
-between them. From there signs spread to where no witness is, into thin walls and narrow gaps, as the
-minimiser of
+A point's normal is the direction of least variance of its neighbourhood, or where that is not flat, that of
+the plane which most of the neighbourhood shares with it (`weingarten.scan.facets`). Its sign is told by
+witnesses: points of known signed distance whose nearest point of the cloud it is, so that nothing of the
+surface lies between them. From there signs spread to where no witness is, into thin walls and narrow gaps, as
+the minimiser of
 
     E(x) = ½ Σᵢⱼ wᵢⱼ (xᵢ − sᵢⱼ xⱼ)² + WITNESS Σᵢ |mᵢ| (xᵢ − sgn mᵢ)² + DOUBT Σᵢ xᵢ²
 
-over pairs of neighbours, with sᵢⱼ = sgn nᵢ·nⱼ, wᵢⱼ = (nᵢ·nⱼ)² exp(−(cᵢⱼ / LEVEL)²) and cᵢⱼ the greater
-|cosine| between the way from i to j and the two normals: across a wall the way leaves the tangent plane.
+over pairs of neighbours, with sᵢⱼ = sgn nᵢ·nⱼ, wᵢⱼ = (nᵢ·nⱼ)² exp(−(cᵢⱼ / LEVEL)² − (oᵢⱼ / OFF)²), cᵢⱼ
+the greater |cosine| between the way from i to j and the two normals, and oᵢⱼ the greater distance of one from
+the other's tangent plane, in radii of the neighbourhood: across a wall the way leaves the tangent plane.
 mᵢ ∈ [−1, 1] is the mean cosine between a point's normal and the ways to its witnesses, with their signs.
 xᵢ ∈ [−1, 1] has the sign of the normal, and |xᵢ| says how sure it is: where witnesses contradict each other
 they cancel, and where there are none DOUBT has it. Like the harmonic extension of labels over a graph (Zhu,
@@ -24,6 +26,7 @@ from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import cg
 from scipy.spatial import KDTree
 
+from weingarten.scan.facets import facets
 from weingarten.scan.normals import plane_normals
 
 Points = Float64[np.ndarray, "n 3"]
@@ -33,6 +36,12 @@ NEIGHBOURS = 12
 
 LEVEL = 0.3
 """Sine of the angle, roughly, by which the way to a neighbour may leave the tangent plane."""
+
+OTHERS = 16
+"""Of the planes in which a point may lie beside edges."""
+
+OFF = 0.15
+"""Distance, roughly, by which a neighbour may be off the tangent plane, in radii of the neighbourhood."""
 
 FRONTAL = 0.7
 """Least |cosine| between a point's normal and the way to a witness of its."""
@@ -54,10 +63,12 @@ TRUSTED = 0.3
 class Orientation:
     """normals: outward, as long as they are to be trusted, from 0 to 1.
     radius: of the points' neighbourhoods, the median, in the unit of the points.
+    bent: share of the points whose neighbourhood is not flat, or whose sign is not known.
     """
 
     normals: Points
     radius: float
+    bent: float
 
     @property
     def trust(self) -> Float64[np.ndarray, " n"]:
@@ -79,13 +90,22 @@ def orientation(
     planes: unit normals, and how flat it is about each point, from 0 to 1, where noise asked for larger
         neighbourhoods than these.
     """
-    reach, near = tree.query(points, k=NEIGHBOURS + 1, workers=-1)
-    near = np.asarray(near)[:, 1:]
-    normals, flat = flat_normals(points[near]) if planes is None else planes
+    reach, near = tree.query(points, k=OTHERS + 1, workers=-1)
+    radius, near = float(np.median(np.asarray(reach)[:, NEIGHBOURS])), np.asarray(near)[:, 1:]
+    close = near[:, :NEIGHBOURS]
+    if planes is None:
+        normals, flat = flat_normals(points[close])
+        shared = facets(points, near)
+        clear = np.maximum(flat, shared.trust)
+        normals = np.where((shared.trust > flat)[:, None], shared.normals, normals)
+    else:
+        normals, flat = planes
+        clear = flat
     told = evidence(points, normals, witnesses, signs, nearest)
-    sure = spread_signs(points, normals, near, told)
-    trust = np.minimum(np.abs(sure), 1.0) * flat
-    return Orientation(normals * (np.sign(sure) * trust)[:, None], float(np.median(np.asarray(reach)[:, -1])))
+    signed = spread_signs(points, normals, close, told)
+    sure = np.minimum(np.abs(signed), 1.0)
+    bent = float(np.mean(sure * flat <= TRUSTED))
+    return Orientation(normals * (np.sign(signed) * sure * clear)[:, None], radius, bent)
 
 
 def flat_normals(patches: Float64[np.ndarray, "n k 3"]) -> tuple[Points, Float64[np.ndarray, " n"]]:
@@ -116,12 +136,12 @@ def spread_signs(
     """x, the minimiser of E."""
     count, k = near.shape
     way = points[near] - points[:, None]
-    way /= np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), np.finfo(float).tiny)
-    leaving = np.maximum(
+    length = np.maximum(np.linalg.norm(way, axis=-1), np.finfo(float).tiny)
+    off = np.maximum(
         np.abs(np.einsum("nkd,nd->nk", way, normals)), np.abs(np.einsum("nkd,nkd->nk", way, normals[near]))
     )
     cosine = np.einsum("nd,nkd->nk", normals, normals[near])
-    weight = cosine**2 * np.exp(-((leaving / LEVEL) ** 2)) + BOND
+    weight = cosine**2 * np.exp(-((off / length / LEVEL) ** 2) - (off / length[:, -1:] / OFF) ** 2) + BOND
     rows = np.arange(0, count * k + 1, k)
     graph = csr_matrix(((weight * np.sign(cosine)).ravel(), near.ravel(), rows), shape=(count, count))
     graph = 0.5 * (graph + graph.T)

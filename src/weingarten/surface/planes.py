@@ -9,18 +9,21 @@ the one that the flatter surface beside it has: the mode, near the point's own n
 by mean shift from m = n (as the bilateral filters of normals have it, Zheng et al. 2011), moved along m to
 where it meets the same points: Σ_j w_j ½ (m + n_j)·(p_j − p − t m) = 0. That leaves circles and spheres as
 they are, for a chord of a circle is at right angles to the mean of its ends' normals.
+
+Planes that are known otherwise (`weingarten.surface.cloud_planes`) take part with WORTH times the weight: a
+fitted field turns by 45 degrees over so wide a round that nothing flat is left to be found beside it.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int
+from jaxtyping import Float64
 from scipy.spatial import KDTree
 
 Points = Float64[np.ndarray, "n 3"]
 
-SPREAD, TURN, ROUND = 0.012, 0.3, 0.02
+SPREAD, TURN, ROUND = 0.015, 0.2, 0.03
 """σ, unit lengths; τ, no unit; ρ, unit lengths."""
 
 REACH = 2.2 * SPREAD
@@ -28,6 +31,9 @@ REACH = 2.2 * SPREAD
 
 BENT = 6.0
 """κ below which a plane is left as it is, one over unit length."""
+
+WORTH = 10.0
+"""Of a plane that is known otherwise: some ten lattice edges have a crossing where a cloud has a point."""
 
 MOST, SHIFTS, PIECE = 96, 5, 20_000
 """Neighbours at most; mean shifts; points at a time."""
@@ -47,45 +53,58 @@ class Planes:
         return (1.0 + (ROUND * self.bend) ** 2) ** -2
 
 
+NOTHING = Planes(np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
+"""No planes."""
+
 Measure = Callable[[Points], Planes]
 """The planes of a surface near given points."""
 
 
-def unrounded(planes: Planes) -> tuple[Points, Points]:
-    """Points and normals, in the round replaced by those of the surface beside it."""
+def unrounded(planes: Planes, known: Planes = NOTHING) -> tuple[Points, Points]:
+    """Points and normals, in the round replaced by those of the surface beside it.
+
+    known: planes of the same surface that nothing has rounded.
+    """
     points, normals = planes.points.copy(), planes.normals.copy()
     bent = np.nonzero(planes.bend > BENT)[0]
     if len(bent) == 0:
         return points, normals
-    tree, trust = KDTree(planes.points), planes.trust
+    trust = np.concatenate([planes.trust, WORTH * known.trust])
+    beside = np.concatenate([planes.points, known.points])
+    facing = np.concatenate([planes.normals, known.normals])
+    tree = KDTree(beside)
     for piece in np.array_split(bent, -(-len(bent) // PIECE)):
         distance, around = tree.query(planes.points[piece], k=MOST, distance_upper_bound=REACH, workers=-1)
         known = np.isfinite(distance)
         around = np.where(known, around, piece[:, None])
         near = np.where(known, np.exp(-0.5 * (np.where(known, distance, 0.0) / SPREAD) ** 2), 0.0)
-        points[piece], normals[piece] = shifted(planes, piece, around, near * trust[around])
+        chord = beside[around] - planes.points[piece][:, None]
+        found = shifted(planes.normals[piece], facing[around], chord, near * trust[around])
+        points[piece], normals[piece] = planes.points[piece] + found[0], found[1]
     return points, normals
 
 
 def shifted(
-    planes: Planes,
-    own: Int[np.ndarray, " m"],
-    around: Int[np.ndarray, "m k"],
+    mode: Points,
+    normals: Float64[np.ndarray, "m k 3"],
+    chord: Float64[np.ndarray, "m k 3"],
     share: Float64[np.ndarray, "m k"],
 ) -> tuple[Points, Points]:
-    """p + t m and m of some planes, from their neighbours and the part of the weights that stays."""
-    mode, normals = planes.normals[own], planes.normals[around]
+    """t m and m of some planes.
+
+    mode: their normals. normals: of their neighbours, at the ends of chord. share: of the weights, what
+    stays.
+    """
     for _ in range(SHIFTS):
         total = np.einsum("mk,mkc->mc", weights(mode, normals, share), normals)
         length = np.linalg.norm(total, axis=1, keepdims=True)
         mode = np.where(length > 0.0, total / np.maximum(length, 1e-300), mode)
     weight = weights(mode, normals, share)
     mean = 0.5 * (mode[:, None] + normals)
-    chord = planes.points[around] - planes.points[own][:, None]
     above = np.einsum("mk,mkc,mkc->m", weight, mean, chord)
     whole = np.einsum("mk,mkc,mc->m", weight, mean, mode)
     move = np.divide(above, whole, out=np.zeros_like(above), where=whole > 1e-9)
-    return planes.points[own] + move.clip(-0.5 * REACH, 0.5 * REACH)[:, None] * mode, mode
+    return move.clip(-0.5 * REACH, 0.5 * REACH)[:, None] * mode, mode
 
 
 def weights(

@@ -25,9 +25,9 @@ from jaxtyping import Float64, Int, Int64
 from weingarten.mesh import Mesh
 from weingarten.surface.cases import AXIS, END, START, loops
 from weingarten.surface.cells import Cells, numbered
-from weingarten.surface.planes import Measure, Points, unrounded
+from weingarten.surface.planes import NOTHING, Measure, Planes, Points, unrounded
 
-OPEN = 0.1
+OPEN = 0.08
 """Directions with less than this share of the greatest eigenvalue are open."""
 
 STEP = 1.5
@@ -73,15 +73,18 @@ class Crossings:
 
 
 class SharpContour:
-    """A mesher whose vertices lie on sharp edges. measure: tells the planes of the surface near points."""
+    """A mesher whose vertices lie on sharp edges.
 
-    def __init__(self, measure: Measure) -> None:
-        self.measure = measure
+    measure: tells the planes of the surface near points. known: planes of it that nothing has rounded.
+    """
+
+    def __init__(self, measure: Measure, known: Planes = NOTHING) -> None:
+        self.measure, self.known = measure, known
 
     def __call__(self, cells: Cells) -> Mesh:
         """The mesh of all cells."""
         crossings = Crossings.of(cells)
-        points, normals = unrounded(self.measure(crossings.points))
+        points, normals = unrounded(self.measure(crossings.points), self.known)
         vertices = placed(crossings, points, normals, STEP * cells.lattice.step)
         return joined(vertices, crossings, points, normals)
 

@@ -45,10 +45,13 @@ class Primitives:
 
 def primitives_in(folder: Path, mesh: Mesh) -> Primitives | None:
     """What a run folder says of its mesh; None where it says nothing, or speaks of another mesh."""
+    if not all((folder / name).is_file() for name in (LABELS, NAMES)):
+        return None
     try:
-        labels = np.load(folder / LABELS, allow_pickle=False)
+        # mapped: a header that promises more than there is takes no memory
+        labels = np.load(folder / LABELS, mmap_mode="r", allow_pickle=False)
         said = json.loads((folder / NAMES).read_text(encoding="utf-8"))
-    except (OSError, ValueError, EOFError):
+    except (OSError, ValueError, EOFError, RecursionError):
         return None
     rows = said.get("primitives") if isinstance(said, dict) else None
     if not isinstance(rows, list) or labels.shape != (len(mesh.vertices),) or labels.dtype.kind != "i":

@@ -117,7 +117,7 @@ class Run:
         """The figures of a fit that has ended; empty of one that has not."""
         try:
             said = json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             return {}
         return said if isinstance(said, dict) else {}
 
