@@ -3,6 +3,11 @@
 One torch thread, so that float32 sums add up in the same order on every machine of a kind.
 """
 
+import os
+import shutil
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import pytest
 import torch
 from hypothesis import HealthCheck, settings
@@ -12,6 +17,9 @@ from jaxtyping import install_import_hook
 import weingarten.calculus.kernels
 import weingarten.metrics.face_pairs  # noqa: F401
 
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
 HOOK = install_import_hook("weingarten", "beartype.beartype")
 torch.set_num_threads(1)
 # A busy machine is slow, not wrong; and the same examples everywhere make a failure one that can be repeated.
@@ -19,6 +27,9 @@ settings.register_profile(
     "steady", deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
 )
 settings.load_profile("steady")
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+ARGUMENTS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -40,3 +51,19 @@ def generator() -> torch.Generator:
 def global_seed() -> None:
     """Nothing in the package draws from torch's global generator; tests that do get the same numbers."""
     torch.manual_seed(0)
+
+
+@pytest.fixture(scope="module")
+def browser() -> "Iterator[Browser]":
+    """Chromium, headless. Without one tests are skipped, but for CI=true: there they fail."""
+    program = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if program is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("There is no chromium, which CI needs for these tests; .ci/run installs it.")
+        pytest.skip("There is no chromium.")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
+        yield browser
+        browser.close()

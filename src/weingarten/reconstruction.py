@@ -187,6 +187,7 @@ def fit(
     saved = time.monotonic()
 
     def save() -> None:
+        keeper.look(loop)
         tensors, extra = ({}, {}) if oracle is None else (oracle.tensors(), oracle.extra())
         keeper.save(loop, origin, tensors, extra)
 
@@ -200,6 +201,7 @@ def fit(
 
     def stop() -> bool:
         nonlocal satisfied, saved
+        keeper.look(loop)
         if time.monotonic() - saved > CHECKPOINT_SECONDS:
             save()
             saved = time.monotonic()

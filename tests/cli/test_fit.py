@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from command import SMALL, run, started, temporaries
 
 from weingarten.cli.main import main, parser
+from weingarten.fit.history import steps_kept
 from weingarten.io.cloud_file import write_cloud
 from weingarten.io.mesh import read_mesh
 from weingarten.io.points import read_points
@@ -66,6 +67,7 @@ def test_run_folder_holds_what_it_should(finished):
         "loss.csv",
         "checkpoint.safetensors",
         "cloud.npy",
+        "history",
         "mesh.ply",
         "summary.json",
         "made.json",
@@ -199,6 +201,8 @@ def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud,
         code, _, err = run(*words, "--resume", "--quiet")
         assert code == 0, err
         assert (tmp_path / f"{trial}.stl").read_bytes() == expected
+        kept = [steps_kept(folder / "history") for folder in (finished[0] / "run", tmp_path / f"run{trial}")]
+        assert kept[0] == kept[1]
 
 
 @pytest.mark.parametrize("keeps", [True, False])

@@ -1,7 +1,5 @@
 """Loss and weight curves: bins, quartiles, files that are cut off, and which weights move."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,6 @@ from weingarten.report.curves import (
     loss_plots,
     mean_in_bins,
     middle,
-    read_curve,
     term_plots,
 )
 
@@ -54,18 +51,6 @@ def test_a_constant_weight_does_not_move():
     made = binned("a", "#000000", [still])
     assert not made.moves("eikonal")
     assert "constant: eikonal 3" in loss_plots([made])[0].note
-
-
-def test_files_are_read_as_far_as_they_are_whole(tmp_path: Path):
-    path = tmp_path / "loss.csv"
-    assert read_curve(path) == {}
-    for text in ("", "step,progress,loss\n", "other\n1\n", "step,progress,loss\n0,zero,1\n"):
-        path.write_text(text)
-        assert read_curve(path) == {}
-    path.write_text("step,progress,loss\n0,0,5\n1,0.5,nan\n2,0.7")
-    found = read_curve(path)
-    assert found["progress"].tolist() == [0, 0.5]
-    assert found["loss"][0] == 5
 
 
 def test_plots_are_of_every_contender_and_every_term():

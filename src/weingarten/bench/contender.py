@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from weingarten.bench.poisson import NEIGHBOURS, SCREENING, screened_poisson, solver
+from weingarten.fit.run_folder import RunFolder
 from weingarten.io.mesh import write_mesh
 from weingarten.many.going_on import gone_on
 from weingarten.mesh import Mesh
@@ -96,8 +97,8 @@ class Neural(Contender):
 
     def make(self, scan: Scan) -> Made:
         """See Contender. Goes on from the folder's checkpoint where there is one of the same fit."""
-        settings = replace(self.settings, seed=scan.seed)
-        result, earlier = gone_on(scan.points, settings, scan.device, scan.folder, scan.truth)
+        settings, folder = replace(self.settings, seed=scan.seed), RunFolder(scan.folder, snapshots=0)
+        result, earlier = gone_on(scan.points, settings, scan.device, folder, scan.truth)
         return Made(result.summary.notes, result.summary.seconds, earlier)
 
     def make_all(self, scans: Sequence[Scan]) -> list[Made | Exception]:

@@ -99,7 +99,7 @@ def costs(device) -> dict[str, dict[str, float]]:
 
 def lines(found: dict) -> list[str]:
     """The findings for a person."""
-    from weingarten.cli.progress import duration
+    from weingarten.duration import duration
 
     shown = [f"{key}: {found[key]}" for key in ("platform", "python", "device", "threads", "lanes")]
     shown += [f"{package} {number}" for package, number in found["versions"].items()]

@@ -9,10 +9,10 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from weingarten.cli import bench, doctor, evaluate, fit, measure, mesh, report, reproduce, sample
+from weingarten.cli import bench, doctor, evaluate, fit, measure, mesh, report, reproduce, sample, view
 from weingarten.errors import WeingartenError
 
-VERBS = (fit, mesh, measure, sample, evaluate, bench, report, reproduce, doctor)
+VERBS = (fit, mesh, view, measure, sample, evaluate, bench, report, reproduce, doctor)
 
 
 class Formatter(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from weingarten.duration import duration
 from weingarten.fit.estimate import Estimate
 from weingarten.fit.loop import Record
 from weingarten.observer import Observer
@@ -138,15 +139,6 @@ def expectation(estimate: Estimate, steps: int) -> str:
         f"About {duration(estimate.total)} ({steps:,} steps of {estimate.step:.2g} s, then the surface) "
         f"and {estimate.memory / 2**30:.1f} GB of memory."
     )
-
-
-def duration(seconds: float) -> str:
-    """Seconds, minutes or hours, whichever reads best."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    if seconds < 5400:
-        return f"{seconds / 60:.0f} min"
-    return f"{seconds / 3600:.1f} h"
 
 
 def remaining(seconds: float) -> str:

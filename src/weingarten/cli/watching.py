@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from weingarten.cli.progress import duration
+from weingarten.duration import duration
 from weingarten.many.runner import Batch, Watcher
 
 

@@ -1,8 +1,8 @@
-"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, mesh.ply, summary.json,
-and made.json, the record of who made it how.
+"""The folder of one fit: config.toml, loss.csv, checkpoint.safetensors, cloud.npy, history/, mesh.ply,
+summary.json, and made.json, the record of who made it how.
 
-While a fit is written there, a file `lock` says by whom. A fit without a folder uses `NoFolder`, so that
-nothing asks whether there is one.
+There is a summary of a fit that has ended, and of no other. While a fit is written there, a file `lock` says
+by whom. A fit without a folder uses `NoFolder`, so that nothing asks whether there is one.
 """
 
 import csv
@@ -20,6 +20,7 @@ from weingarten.atomic import remove_leftovers, replacing
 from weingarten.errors import CheckpointError, InputError, OutputError
 from weingarten.fit import checkpoint
 from weingarten.fit.checkpoint import Checkpoint, Origin
+from weingarten.fit.history import SNAPSHOTS, History
 from weingarten.fit.lock import held
 from weingarten.fit.loop import Loop, Record
 from weingarten.io.mesh import write_mesh
@@ -54,6 +55,10 @@ class Keeper(Protocol):
         """Note one step."""
         ...
 
+    def look(self, loop: Loop) -> None:
+        """See the field before each step, before each `save` and after the last step."""
+        ...
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """Keep the state of the fit."""
         ...
@@ -80,6 +85,9 @@ class NoFolder:
     def record(self, record: Record, seconds: float) -> None:
         """See Keeper."""
 
+    def look(self, loop: Loop) -> None:
+        """See Keeper."""
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """See Keeper."""
 
@@ -95,11 +103,13 @@ FILES = (*EARLIER, "config.toml", "cloud.npy", "loss.csv")
 class RunFolder:
     """Keeps everything in a folder, made if need be. Raises OutputError where that cannot be.
 
-    made: a record of the command, the machine and so on, if there is one.
+    made: a record of the command, the machine and so on, if there is one. snapshots: how many of the field on
+    its way (`weingarten.fit.history`).
     """
 
-    def __init__(self, path: Path, made: dict[str, str] | None = None) -> None:
+    def __init__(self, path: Path, made: dict[str, str] | None = None, snapshots: int = SNAPSHOTS) -> None:
         self.path, self.made = path, made
+        self.history = History(path, snapshots)
         self.rows: list[list[str]] = []
         try:
             path.mkdir(parents=True, exist_ok=True)
@@ -133,15 +143,21 @@ class RunFolder:
         """Where the loss curve is."""
         return self.path / "loss.csv"
 
+    @property
+    def summary(self) -> Path:
+        """Where the figures are."""
+        return self.path / "summary.json"
+
     def begin(self, origin: Origin, points: Points, resumed: Checkpoint | None) -> None:
-        """Write what is known before the first step; keep the loss curve up to a resumed checkpoint.
+        """Write what is known before the first step; keep curve and snapshots up to a resumed checkpoint.
 
         What the folder holds of an earlier fit goes first, its checkpoint before all else: whenever the
         process dies, the folder holds one fit or none.
         """
         remove_leftovers(self.path, FILES)
-        for name in () if resumed else EARLIER:
+        for name in ("summary.json",) if resumed else EARLIER:
             (self.path / name).unlink(missing_ok=True)
+        self.history.begin(None if resumed is None else resumed.step)
         with replacing(self.path / "config.toml") as temporary:
             temporary.write_bytes(tomli_w.dumps(origin.settings.as_dict()).encode())
         if self.made is not None:
@@ -177,6 +193,10 @@ class RunFolder:
         values += [record.weights[name] for name in names]
         self.rows.append([str(record.step), *(f"{value:.9g}" for value in values)])
 
+    def look(self, loop: Loop) -> None:
+        """Keep a snapshot of the field where one is due."""
+        self.history.look(loop)
+
     def save(self, loop: Loop, origin: Origin, tensors: dict, extra: dict) -> None:
         """Write the checkpoint and the loss curve up to it."""
         try:
@@ -191,7 +211,7 @@ class RunFolder:
         """Write the mesh and the figures; what was measured on an earlier mesh goes."""
         (self.path / PRIMITIVES).unlink(missing_ok=True)
         write_mesh(self.path / "mesh.ply", mesh)
-        with replacing(self.path / "summary.json") as temporary:
+        with replacing(self.summary) as temporary:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")
 
 

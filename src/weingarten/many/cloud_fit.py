@@ -14,6 +14,7 @@ from typing import Any
 import psutil
 
 from weingarten.errors import OptionError
+from weingarten.fit.run_folder import RunFolder
 from weingarten.io.points import read_points
 from weingarten.many.going_on import gone_on
 from weingarten.many.job import DONE, FAILED, Job, failure, files_in
@@ -116,7 +117,7 @@ class CloudFit(Job):
         process, started = psutil.Process(), time.perf_counter()
         before = process.cpu_times()
         points = read_points(self.cloud)
-        result, earlier = gone_on(points, self.settings, self.device, self.folder, observer=log)
+        result, earlier = gone_on(points, self.settings, self.device, RunFolder(self.folder), observer=log)
         if self.picture is not None:
             write_picture(self.folder / self.picture, points, result.mesh)
         wall, after = time.perf_counter() - started, process.cpu_times()

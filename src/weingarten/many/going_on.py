@@ -17,13 +17,13 @@ def gone_on(
     points: Points,
     settings: Settings,
     device: str,
-    path: Path,
+    folder: RunFolder,
     truth: Mesh | None = None,
     observer: Observer | None = None,
 ) -> tuple[Result, float]:
     """The reconstruction, and the seconds that its steps took before this; anew where no checkpoint fits.
 
-    path: of its run folder. The others, and what is raised, as in `reconstruct`.
+    folder: that it is kept in. The others, and what is raised, as in `reconstruct`.
     """
 
     def fitted(resume: bool) -> Result:
@@ -31,13 +31,12 @@ def gone_on(
             points,
             settings,
             device=device,
-            run_folder=path,
+            run_folder=folder,
             resume=resume,
             truth=truth,
             observer=observer,
         )
 
-    folder = RunFolder(path)
     if folder.checkpoint.exists():
         earlier = seconds_of(folder.curve)
         try:

@@ -4,10 +4,8 @@ t is the progress of a fit, 0 at its first step and 1 at its last. All fits of a
 same bins of t: in each, the mean of the logarithm of a loss, the mean of a weight.
 """
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +13,7 @@ from jaxtyping import Float64
 
 from weingarten.bench.job import DONE
 from weingarten.bench.results import Result
+from weingarten.fit.curve import Columns, read_curve
 from weingarten.report.plot import INK, colour, inline, logarithmic, look, new_figure
 
 if TYPE_CHECKING:
@@ -31,7 +30,6 @@ THIN = 60
 Values = Float64[np.ndarray, " _"]
 Rows = Float64[np.ndarray, "_ _"]
 """A row a fit, a column a bin."""
-Columns = dict[str, Values]
 
 
 @dataclass(frozen=True)
@@ -62,25 +60,6 @@ class CurvePlot:
     title: str
     note: str
     svg: str
-
-
-def read_curve(path: Path) -> Columns:
-    """The columns of a loss.csv as far as it is whole; empty without one."""
-    if not path.is_file():
-        return {}
-    try:
-        with path.open(newline="", encoding="utf-8") as stream:
-            head, *rows = [*csv.reader(stream)] or [[]]
-    except (csv.Error, UnicodeDecodeError):
-        return {}
-    rows = [row for row in rows if len(row) == len(head)]
-    if "progress" not in head or not rows:
-        return {}
-    try:
-        values = np.array(rows, dtype=np.float64)
-    except ValueError:
-        return {}
-    return {name: values[:, k] for k, name in enumerate(head)}
 
 
 def all_curves(found: Sequence[Result], names: Sequence[str]) -> list[Curves]:

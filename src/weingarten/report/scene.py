@@ -61,12 +61,18 @@ def triangles_each(parts: int, contenders: int) -> int:
 def slim(mesh: Mesh, most: int, shape: float, levels_at: Callable[[Points], Levels]) -> Slim:
     """The mesh with about `most` triangles at most, of which the share `shape` is for the shape alone."""
     mesh, levels = refined(simplified(mesh, int(shape * most)), most, levels_at)
+    ordered, order = by_use(mesh)
+    return Slim(ordered, as_bytes(levels[order]))
+
+
+def by_use(mesh: Mesh) -> tuple[Mesh, Int64[np.ndarray, " v"]]:
+    """The same with its vertices in the order of their first use, which packs well; which each one was."""
     used, first, inverse = np.unique(mesh.faces.reshape(-1), return_index=True, return_inverse=True)
-    by_use = np.argsort(first)
+    by_first = np.argsort(first)
     rank = np.empty(len(used), dtype=np.int64)
-    rank[by_use] = np.arange(len(used))
-    order = used[by_use]
-    return Slim(Mesh(mesh.vertices[order], rank[inverse].reshape(-1, 3)), as_bytes(levels[order]))
+    rank[by_first] = np.arange(len(used))
+    order = used[by_first]
+    return Mesh(mesh.vertices[order], rank[inverse].reshape(-1, 3)), order
 
 
 def uncoloured(points: Points) -> Levels:
@@ -81,19 +87,29 @@ def as_bytes(levels: Levels) -> UInt8[np.ndarray, "_ k"]:
 
 def scene(mesh: Mesh, frame: Frame, levels: UInt8[np.ndarray, " v"] | None = None) -> Scene:
     """A slim mesh, packed; positions in the unit frame of `frame`. levels: of its vertices."""
-    points = frame.to_unit(mesh.vertices)
+    low, step, content = place_planes(frame.to_unit(mesh.vertices))
+    content += face_planes(mesh) + (b"" if levels is None else levels.tobytes())
+    return Scene(len(mesh.vertices), len(mesh.faces), low, step, packed(content))
+
+
+def place_planes(points: Points) -> tuple[tuple[float, float, float], float, bytes]:
+    """low, step (see Scene) and the planes of positions."""
     low = points.min(axis=0)
     step = max(float((points.max(axis=0) - low).max()) / STEPS, 1e-12)
     steps = np.round((points - low) / step).astype(np.int64)
-    a, b, c = mesh.faces.T
-    planes = [_plane(_zigzag(np.diff(axis, prepend=0)), 2) for axis in steps.T]
-    planes += [_plane(_zigzag(values), 3) for values in (np.diff(a, prepend=0), b - a, c - a)]
-    if levels is not None:
-        planes.append(levels.tobytes())
     x, y, z = (float(f"{value:.7g}") for value in low)
-    return Scene(
-        len(mesh.vertices), len(mesh.faces), (x, y, z), float(f"{step:.7g}"), packed(b"".join(planes))
-    )
+    return (x, y, z), float(f"{step:.7g}"), b"".join(difference_plane(axis, 2) for axis in steps.T)
+
+
+def face_planes(mesh: Mesh) -> bytes:
+    """The planes of faces."""
+    a, b, c = mesh.faces.T
+    return difference_plane(a, 3) + _plane(_zigzag(b - a), 3) + _plane(_zigzag(c - a), 3)
+
+
+def difference_plane(values: Int64[np.ndarray, " n"], size: int) -> bytes:
+    """Differences to the number before, zigzag; `size` bytes each."""
+    return _plane(_zigzag(np.diff(values, prepend=0)), size)
 
 
 def packed(content: bytes) -> str:
