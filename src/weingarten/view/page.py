@@ -20,6 +20,9 @@ from weingarten.view.item import opened
 from weingarten.view.section import AXES, PLACES
 
 SCRIPTS = (
+    *("scene.js", "surface.js", "orbit.js", "source.js"),
+    *("cloud.js", "cut.js", "curve.js", "stage.js", "view.js"),
+)
     "scene.js",
     "surface.js",
     "orbit.js",
