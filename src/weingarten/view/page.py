@@ -23,16 +23,6 @@ SCRIPTS = (
     *("scene.js", "surface.js", "orbit.js", "source.js"),
     *("cloud.js", "cut.js", "curve.js", "stage.js", "view.js"),
 )
-    "scene.js",
-    "surface.js",
-    "orbit.js",
-    "source.js",
-    "cloud.js",
-    "cut.js",
-    "curve.js",
-    "stage.js",
-    "view.js",
-)
 
 CUTS = 21
 """Cross-sections along each axis of a page without a server."""
