@@ -194,6 +194,7 @@ def test_shards_are_all_of_it(tmp_path, capsys, here):
         (["--run", "x"], "--run"),
         (["--resume"], "--resume"),
         (["--oracle", "bundled:flange"], "weingarten bench"),
+        (["--page", "page.html"], "weingarten report OUT/NAME"),
         (["--picture", "a/b.png"], "--picture"),
         (["--picture", "b.bmp"], "b.bmp"),
         (["--steps", "0"], "--steps"),

@@ -85,6 +85,10 @@ def check(arguments: argparse.Namespace) -> None:
             )
     if arguments.oracle is not None:
         raise OptionError("--oracle takes one cloud and its true mesh; of a folder, see `weingarten bench`.")
+    if arguments.page is not None:
+        raise OptionError(
+            "--page is for one cloud; of a folder's fits, `weingarten report OUT/NAME` makes one."
+        )
     if arguments.picture is not None:
         check_picture_format(arguments.picture)
         if arguments.picture.parent != Path():
