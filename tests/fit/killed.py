@@ -24,7 +24,15 @@ from weingarten.io.mesh import write_mesh
 from weingarten.observer import Observer
 from weingarten.start import Start
 
-NAMES = {"config.toml", "loss.csv", "checkpoint.safetensors", "cloud.npy", "mesh.ply", "summary.json"}
+NAMES = {
+    "config.toml",
+    "loss.csv",
+    "checkpoint.safetensors",
+    "cloud.npy",
+    "history",
+    "mesh.ply",
+    "summary.json",
+}
 STEPS = 3
 
 
@@ -82,7 +90,7 @@ def operations(folder: Path, work) -> int:
 
 def state(folder: Path) -> tuple:
     """What tells one folder from another: names, the checkpoint, and how many rows the loss curve has."""
-    names = sorted(path.name.split("-")[0] for path in folder.iterdir())
+    names = sorted(path.name.split("-")[0] for path in folder.rglob("*"))
     kept, rows = folder / "checkpoint.safetensors", folder / "loss.csv"
     return (*names, kept.exists() and kept.read_bytes(), rows.exists() and rows.read_bytes().count(b"\n"))
 
@@ -91,6 +99,11 @@ def curve(folder: Path) -> list[list[str]]:
     """The loss curve without its seconds."""
     with (folder / "loss.csv").open(newline="") as stream:
         return [row[:4] + row[5:] for row in csv.reader(stream)]
+
+
+def snapshots(folder: Path) -> dict[str, bytes]:
+    """What is kept of the field on its way."""
+    return {path.name: path.read_bytes() for path in (folder / "history").iterdir()}
 
 
 def faults(folder: Path, output: Path, whole: Path, earlier: bytes, seen: set) -> list[str]:
@@ -114,6 +127,8 @@ def faults(folder: Path, output: Path, whole: Path, earlier: bytes, seen: set) -
         wrong.append(f"the folder holds {sorted(path.name for path in folder.iterdir())}")
     if (folder / "mesh.ply").read_bytes() != new or output.read_bytes() != new:
         wrong.append("another mesh after going on")
+    if snapshots(folder) != snapshots(whole):
+        wrong.append(f"other snapshots after going on: {sorted(snapshots(folder))}")
     if curve(folder) != curve(whole):
         wrong.append("another loss curve after going on")
     return wrong
