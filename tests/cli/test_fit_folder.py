@@ -87,7 +87,7 @@ def test_a_run_folder_for_each_and_failures_alone(finished):
     assert "Traceback" not in errors
     names = {path.name for path in (out / "block").iterdir()}
     kept = {"config.toml", "loss.csv", "checkpoint.safetensors", "cloud.npy", "mesh.ply", "summary.json"}
-    assert names == kept | {"fit.json", "log.txt", "seen.png"}
+    assert names == kept | {"history", "fit.json", "log.txt", "seen.png"}
     assert "Step 30 of 30" in (out / "block/log.txt").read_text()
     assert not temporaries(out)
     assert not temporaries(out / "block")

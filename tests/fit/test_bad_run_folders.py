@@ -20,13 +20,14 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "io"))
 from bad_archives import npy
 from small import small_cloud, small_settings
 
-from weingarten.bench.contender import seconds_of
 from weingarten.bench.parts import Part
-from weingarten.bench.store import Store, read
+from weingarten.bench.store import Store
 from weingarten.errors import CheckpointError, InputError, WeingartenError
+from weingarten.fit.curve import read_curve
 from weingarten.fit.run_folder import opened
+from weingarten.many.going_on import seconds_of
+from weingarten.many.records import read
 from weingarten.reconstruction import reconstruct
-from weingarten.report.curves import read_curve
 from weingarten.world_field import WorldField
 
 ODD: list[Any] = [

@@ -28,6 +28,7 @@ def test_a_new_fit_takes_away_the_results_of_another(used: Path):
     assert sorted(path.name for path in used.iterdir()) == [
         "cloud.npy",
         "config.toml",
+        "history",
         "loss.csv",
         "notes.txt",
     ]

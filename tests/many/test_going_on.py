@@ -29,7 +29,7 @@ class Puller(Observer):
 
 
 def made(path: Path, observer: Observer | None = None) -> tuple[Result, float]:
-    return gone_on(sample_part("block", 1000, 0), SHORT, "cpu", path, observer=observer)
+    return gone_on(sample_part("block", 1000, 0), SHORT, "cpu", RunFolder(path), observer=observer)
 
 
 def steps(path: Path) -> list[int]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor
 
 from weingarten.atomic import replacing
@@ -60,7 +60,8 @@ class History:
             return
         state = {name: value.detach().cpu().contiguous() for name, value in loop.field.state_dict().items()}
         with replacing(place(self.path, loop.step)) as temporary:
-            save_file(state, temporary)
+            # written here rather than by safetensors, whose error for a full disk is no OSError
+            temporary.write_bytes(save(state))
 
 
 def planned(loop: Loop, most: int = SNAPSHOTS) -> list[int]:
