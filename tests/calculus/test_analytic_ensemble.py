@@ -59,7 +59,8 @@ def test_an_ensemble_is_its_members_side_by_side(order, used, members, width, de
         expected = gradients(field, loss(own, order, used))
         scale = max(float(gradient.abs().max()) for gradient in expected)
         for one, other in zip(found, expected, strict=True):
-            torch.testing.assert_close(one[i], other, rtol=0, atol=1e-10 * scale)
+            # a gradient that is zero is what sums of numbers of size one leave of it
+            torch.testing.assert_close(one[i], other, rtol=0, atol=1e-10 * scale + 1e-13)
 
 
 def test_autograd_agrees():

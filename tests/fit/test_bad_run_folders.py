@@ -53,7 +53,7 @@ def whole(tmp_path_factory) -> dict[str, bytes]:
     """The files of a finished small fit."""
     folder = tmp_path_factory.mktemp("whole")
     reconstruct(small_cloud(), small_settings(), run_folder=folder)
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.fixture

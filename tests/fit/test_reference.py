@@ -63,14 +63,17 @@ def test_the_float64_loss_curve_is_the_references(make_loop, method, name):
 
 @pytest.mark.parametrize("name", SCHEDULES)
 def test_the_float32_loss_curve_is_the_references_at_every_step(make_loop, name):
-    """The reference in float64 at the loop's own weights: in float32 its own rounding reaches 2e-3."""
+    """The reference in float64 at the loop's own weights: in float32 its own rounding reaches 2e-3.
+
+    The machine code's stays below 2e-5 on one maker's processors and reaches 7e-5 on another's.
+    """
     loop = make_loop(scheduled("odw-paper", name), points=48)
     for step in range(STEPS):
         points, angles = next_points(loop)
         weights = [weight.detach().double() for weight in in_turn(loop.field)]
         at = {domain: x.double() for domain, x in points.items()}
         expected = reference.loss(weights, at, angles.double(), reference.schedule(name, step / STEPS))
-        assert loop.advance().loss == pytest.approx(float(expected.detach()), rel=5e-5)
+        assert loop.advance().loss == pytest.approx(float(expected.detach()), rel=2e-4)
 
 
 @pytest.mark.parametrize("method", STENCIL)
