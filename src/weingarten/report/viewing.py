@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
-from weingarten.report import panel, shading
-from weingarten.report.camera import AZIMUTH, ELEVATION
 from weingarten.report.gallery import PartView
 from weingarten.report.heat import colour_map
+from weingarten.report.looks import looks
 from weingarten.report.scene import Scene
+from weingarten.report.shading import LIGHTS, Lights
 
 TALL = 0.77
 """Least height that a part is given beside its width: flat ones need it once they are turned."""
@@ -30,34 +30,19 @@ def settings_of(
     modes: Sequence[tuple[str, str]],
     mode: str = "shaded",
     unknown: bool = False,
-    lights: shading.Lights = shading.LIGHTS,
+    lights: Lights = LIGHTS,
 ) -> dict[str, Any]:
     """What every view in 3D is told. modes: keys of captions, and what their buttons say. mode: the first.
 
     unknown: whether the first colour is of places of which nothing is known.
     """
-    shining = []
-    for direction, power in lights:
-        unit = np.asarray(direction) / np.linalg.norm(direction)
-        shining.append([*(round(float(value), 5) for value in unit), power])
     return {
         "parts": parts,
         "modes": [list(one) for one in modes],
         "mode": mode,
         "unknown": unknown,
-        "azimuth": round(float(np.degrees(AZIMUTH)), 6),
-        "elevation": round(float(np.degrees(ELEVATION)), 6),
         "colours": colours.reshape(-1).tolist(),
-        "crease": round(float(shading.CREASE), 6),
-        "light": {
-            "lights": shining,
-            "ambient": shading.AMBIENT,
-            "sheen": shading.SHEEN,
-            "front": shading.FRONT,
-            "back": shading.BACK,
-            "shade": panel.SHADE,
-            "tint": panel.TINT,
-        },
+        **looks(lights),
     }
 
 
