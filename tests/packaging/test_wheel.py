@@ -83,8 +83,8 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
         )
     package = {path for path in held if not path.startswith(about)}
     assert package == {path.as_posix() for path in files if "__pycache__" not in path.parts}
-    pages = {"weingarten/report/page/benchmark.html", "weingarten/view/page/view.html"}
-    assert {"weingarten/py.typed"} | pages <= package
+    pages = {"browser/page/palette.css", "report/page/benchmark.html", "view/page/view.html"}
+    assert {f"weingarten/{name}" for name in {"py.typed"} | pages} <= package
     assert licence == (ROOT / "LICENSE").read_bytes()
     assert b"weingarten = weingarten.cli.main:command" in entries
     assert metadata["Version"] == PROJECT["version"]

@@ -1,10 +1,11 @@
 """Templates of pages, which the package brings along, and where a page may be written."""
 
-from importlib.resources import files
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from weingarten.atomic import check_writable, replacing
+from weingarten.browser.asset import asset, palette
 from weingarten.errors import OutputError
 from weingarten.report import extra
 
@@ -14,21 +15,18 @@ FORMATS = (".html", ".htm")
 def rendered(name: str, **values: Any) -> str:
     """The template of that name with these values; all text is escaped but the plots, which are SVG."""
     jinja2, markup = extra.required("jinja2"), extra.required("markupsafe").Markup
+    own = partial(asset, "weingarten.report")
     environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(asset),
+        loader=jinja2.FunctionLoader(own),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.filters["svg"] = markup
-    environment.globals["asset"] = lambda name: markup(asset(name))
+    environment.globals["asset"] = lambda name: markup(own(name))
+    environment.globals["palette"] = markup(palette())
     return environment.get_template(name).render(**values)
-
-
-def asset(name: str) -> str:
-    """A file of the folder page/."""
-    return (files("weingarten.report") / "page" / name).read_text(encoding="utf-8")
 
 
 def check_page_path(path: Path) -> None:

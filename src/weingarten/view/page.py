@@ -7,14 +7,15 @@ import base64
 import hashlib
 import json
 from collections.abc import Iterator
+from functools import partial
 from html import escape
-from importlib.resources import files
 from itertools import product
 from pathlib import Path
 from string import Template
 from typing import Any
 
 from weingarten.atomic import check_writable, replacing
+from weingarten.browser.asset import asset, palette
 from weingarten.view.exhibit import Exhibit
 from weingarten.view.item import opened
 from weingarten.view.section import AXES, PLACES
@@ -36,8 +37,9 @@ def live_page(exhibit: Exhibit) -> tuple[str, str]:
 
 def page(title: str, blocks: dict[str, Any], connect: str) -> tuple[str, str]:
     """The page with these values in it, by their names, and its Content-Security-Policy."""
-    style = asset("palette.css") + asset("view.css")
-    script = "\n".join(asset(name) for name in SCRIPTS)
+    own = partial(asset, "weingarten.view")
+    style = palette() + own("view.css")
+    script = "\n".join(own(name) for name in SCRIPTS)
     policy = (
         f"default-src 'none'; script-src {hashed(script)}; style-src {hashed(style)}; "
         f"img-src data:; connect-src {connect}; base-uri 'none'; form-action 'none'"
@@ -46,7 +48,7 @@ def page(title: str, blocks: dict[str, Any], connect: str) -> tuple[str, str]:
         f'<script type="application/json" id="{escape(key)}">{embedded(value)}</script>'
         for key, value in blocks.items()
     )
-    template = Template(asset("view.html"))
+    template = Template(own("view.html"))
     return template.substitute(
         title=escape(title), policy=policy, style=style, script=script, data=data
     ), policy
@@ -98,8 +100,3 @@ def embedded(value: Any) -> str:
 def hashed(text: str) -> str:
     """A source of a Content-Security-Policy: the SHA-256 of an element's content."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def asset(name: str) -> str:
-    """A file of the folder page/."""
-    return (files("weingarten.view") / "page" / name).read_text(encoding="utf-8")
