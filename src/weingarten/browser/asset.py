@@ -2,6 +2,10 @@
 
 from importlib.resources import files
 
+OWN = "weingarten.browser"
+DRAWING = ("scene.js", "webgl.js", "surface.js", "orbit.js", "ticks.js")
+"""Scripts of a view in 3D."""
+
 
 def asset(package: str, name: str) -> str:
     """A file of a package's folder page/."""
@@ -10,4 +14,9 @@ def asset(package: str, name: str) -> str:
 
 def palette() -> str:
     """Colours by day and by night, and typefaces: variables for the style of a page."""
-    return asset("weingarten.browser", "palette.css")
+    return asset(OWN, "palette.css")
+
+
+def drawing() -> str:
+    """Functions that unpack meshes, draw them and turn them, for the script of a page."""
+    return "\n".join(asset(OWN, name) for name in DRAWING)

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from weingarten.atomic import check_writable, replacing
-from weingarten.browser.asset import asset, palette
+from weingarten.browser.asset import asset, drawing, palette
 from weingarten.errors import OutputError
 from weingarten.report import extra
 
@@ -26,6 +26,7 @@ def rendered(name: str, **values: Any) -> str:
     environment.filters["svg"] = markup
     environment.globals["asset"] = lambda name: markup(own(name))
     environment.globals["palette"] = markup(palette())
+    environment.globals["drawing"] = markup(drawing())
     return environment.get_template(name).render(**values)
 
 

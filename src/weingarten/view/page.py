@@ -15,15 +15,12 @@ from string import Template
 from typing import Any
 
 from weingarten.atomic import check_writable, replacing
-from weingarten.browser.asset import asset, palette
+from weingarten.browser.asset import asset, drawing, palette
 from weingarten.view.exhibit import Exhibit
 from weingarten.view.item import opened
 from weingarten.view.section import AXES, PLACES
 
-SCRIPTS = (
-    *("scene.js", "surface.js", "orbit.js", "source.js"),
-    *("cloud.js", "cut.js", "curve.js", "stage.js", "view.js"),
-)
+SCRIPTS = ("source.js", "cloud.js", "cut.js", "curve.js", "stage.js", "view.js")
 
 CUTS = 21
 """Cross-sections along each axis of a page without a server."""
@@ -39,7 +36,7 @@ def page(title: str, blocks: dict[str, Any], connect: str) -> tuple[str, str]:
     """The page with these values in it, by their names, and its Content-Security-Policy."""
     own = partial(asset, "weingarten.view")
     style = palette() + own("view.css")
-    script = "\n".join(own(name) for name in SCRIPTS)
+    script = "\n".join([drawing(), *(own(name) for name in SCRIPTS)])
     policy = (
         f"default-src 'none'; script-src {hashed(script)}; style-src {hashed(style)}; "
         f"img-src data:; connect-src {connect}; base-uri 'none'; form-action 'none'"

@@ -18,7 +18,7 @@ const source = (() => {
 
   async function bytes(where) {
     if (facts.live) return new Uint8Array(await (await asked(where)).arrayBuffer());
-    return Uint8Array.from(atob(read(where)), (letter) => letter.charCodeAt(0));
+    return packedScenes.decoded(read(where));
   }
 
   async function opened(where) {

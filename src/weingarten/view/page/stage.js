@@ -1,14 +1,11 @@
 "use strict";
 // The stage: surface, points and cross-section in one picture, with a triad and a ruler. Null without WebGL2.
 function stageOf(canvas, facts) {
-  const gl = typeof DecompressionStream === "undefined" ? null : canvas.getContext("webgl2", { antialias: true });
-  const triad = document.getElementById("triad"), ruler = document.getElementById("ruler");
+  const gl = webgl(canvas), triad = document.getElementById("triad"), ruler = document.getElementById("ruler");
   const shows = { mesh: true, points: false, cut: false, coloured: false };
   const fit = { target: [0, 0, 0], radius: 1 };
   const ROOM = 1.06, RULER = 110, PAINT = { light: [0.10, 0.37, 0.63], dark: [0.30, 0.55, 0.88] };
-  let request = 0;
-  const redraw = () => (request ||= requestAnimationFrame(draw));
-  const camera = orbit(canvas, facts, redraw);
+  const redraw = redrawing(draw), camera = orbit(canvas, facts, redraw);
   const surface = gl && surfaces(gl, facts.light), cloud = gl && clouds(gl), cut = gl && cuts(gl);
   if (!gl) {
     document.getElementById("overlay").hidden = true;
@@ -34,22 +31,13 @@ function stageOf(canvas, facts) {
   const perUnit = () => (camera.view.zoom * Math.min(canvas.clientWidth, canvas.clientHeight)) / (2 * ROOM * fit.radius);
 
   function draw() {
-    request = 0;
-    const dense = Math.min(window.devicePixelRatio || 1, 2), [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    canvas.width = Math.round(width * dense);
-    canvas.height = Math.round(height * dense);
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.enable(gl.DEPTH_TEST);
-    gl.clearColor(0, 0, 0, 0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const axes = camera.axes(), scale = [(2 * perUnit()) / width, (2 * perUnit()) / height];
-    const view = { axes, target: fit.target, scale, shift: [(2 * camera.view.x) / width, (-2 * camera.view.y) / height] };
-    if (shows.cut) view.cut = cut.away(axes[2]);
+    const dense = cleared(gl, canvas), view = viewOf(camera, canvas, fit.target, perUnit());
+    if (shows.cut) view.cut = cut.away(view.axes[2]);
     const night = matchMedia("(prefers-color-scheme: dark)").matches;
     if (shows.mesh) surface.draw(view, shows.coloured);
     if (shows.points) cloud.draw(view, dense * Math.max(2, Math.min(6, 2 * Math.sqrt(camera.view.zoom))), night ? PAINT.dark : PAINT.light);
     if (shows.cut) cut.draw(view);
-    measure(axes);
+    measure(view.axes);
   }
 
   /** The triad, those that point away first, and a ruler of 1, 2 or 5 times a power of ten. */

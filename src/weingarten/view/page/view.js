@@ -99,12 +99,7 @@
     for (let i = 0; i < 256; i++) image.data.set([...paints.slice(3 * i, 3 * i + 3), 255], 4 * i);
     pen.putImageData(image, 0, 0);
     canvas.hidden = !ticks.length;
-    element("scale").querySelector(".ticks").replaceChildren(...ticks.map(([place, text]) => {
-      const tick = document.createElement("span");
-      tick.style.left = `${100 * place}%`;
-      tick.textContent = text;
-      return tick;
-    }));
+    element("scale").querySelector(".ticks").replaceChildren(...ticksOf(ticks));
     element("scale").querySelector(".ticks").hidden = !ticks.length;
     element("unit").textContent = unit;
     element("names").replaceChildren(...names.map(([paint, name]) => {

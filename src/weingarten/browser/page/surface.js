@@ -1,35 +1,7 @@
 "use strict";
 // Surfaces in WebGL, as in the pictures: the same light, the same creases, the same colours.
 
-/** A program, and where its uniforms are. */
-function linked(gl, vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const made = gl.createShader(kind);
-    gl.shaderSource(made, source);
-    gl.compileShader(made);
-    if (!gl.getShaderParameter(made, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(made));
-    gl.attachShader(program, made);
-  }
-  gl.linkProgram(program);
-  const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS), places = {};
-  for (let k = 0; k < count; k++) {
-    const name = gl.getActiveUniform(program, k).name.replace("[0]", "");
-    places[name] = gl.getUniformLocation(program, name);
-  }
-  return { program, places };
-}
-
-/** Tell a program where the camera is: axes, target, scale and shift of the view; cut: normal and distance. */
-function seenFrom(gl, places, { axes, target, scale, shift, cut = [0, 0, 0, 0] }) {
-  gl.uniformMatrix3fv(places.axes, true, axes.flat());
-  gl.uniform3fv(places.target, target);
-  gl.uniform2fv(places.scale, scale);
-  gl.uniform2fv(places.shift, shift);
-  gl.uniform4fv(places.cut, cut);
-}
-
-/** One surface at a time. light: of weingarten.report.viewing. */
+/** One surface at a time. light: of weingarten.report.looks. */
 function surfaces(gl, light) {
   const VERTEX = `#version 300 es
     in vec3 position; in vec3 normal; in vec3 edge; in float level;

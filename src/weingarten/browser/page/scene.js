@@ -6,9 +6,9 @@ const packedScenes = (() => {
   const LINE = Math.cos((50 * Math.PI) / 180); // an edge this sharp gets a line, if it goes on at both ends
 
   // the inverse of weingarten.report.scene
-  async function bytes(id) {
-    const text = atob(document.getElementById(id).textContent);
-    const packed = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+  const decoded = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+
+  async function inflated(packed) {
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
     return new Uint8Array(await new Response(stream).arrayBuffer());
   }
@@ -28,13 +28,17 @@ const packedScenes = (() => {
     return values;
   }
 
-  async function unpacked(scene) {
-    const data = await bytes(scene.id), { vertices, faces, low, step } = scene;
+  function places(data, { vertices, low, step }) {
     const positions = new Float32Array(3 * vertices);
     for (let axis = 0; axis < 3; axis++) {
       const steps = summed(numbers(data, 2 * axis * vertices, vertices, 2));
       for (let i = 0; i < vertices; i++) positions[3 * i + axis] = low[axis] + steps[i] * step;
     }
+    return positions;
+  }
+
+  function unpacked(scene, data) {
+    const { vertices, faces, step } = scene, positions = places(data, scene);
     const start = 6 * vertices, indices = new Uint32Array(3 * faces);
     const first = summed(numbers(data, start, faces, 3));
     const second = numbers(data, start + 3 * faces, faces, 3), third = numbers(data, start + 6 * faces, faces, 3);
@@ -61,7 +65,7 @@ const packedScenes = (() => {
 
   /** What WebGL is given: for every corner place, normal and distances to creases (9 numbers), and its level.
    *  unknown: whether level 0 says that nothing is known there, which then holds for the whole face. */
-  function expanded(mesh, crease, unknown) {
+  function expanded(mesh, crease, unknown = false) {
     const { positions, indices, levels, step } = mesh, count = indices.length, around = new Map(), edges = new Map();
     const cross = crossed(mesh), length = new Float32Array(count / 3), thin = new Uint8Array(count / 3);
     for (let f = 0; f < count; f += 3) {
@@ -107,5 +111,5 @@ const packedScenes = (() => {
     return { corner, level, count };
   }
 
-  return { bytes, unpacked, expanded };
+  return { decoded, inflated, numbers, summed, places, unpacked, expanded };
 })();
