@@ -24,7 +24,7 @@ from weingarten.oracle import Oracle
 from weingarten.scan.noise import noise_level
 from weingarten.scan.thinning import thinned
 from weingarten.settings import Settings, resolve
-from weingarten.start import Start, loop_of
+from weingarten.start import Start
 from weingarten.summary import Summary, borne_out, summarise
 from weingarten.surface.cloud_planes import cloud_planes
 from weingarten.surface.contour import extraction
@@ -120,7 +120,7 @@ def reconstruct(
     with keeper.held():
         clock.phase("preparing")
         start = Start.of(points, settings, target, module)
-        loop = loop_of(settings, start.field, start.draws, start.generator, start.noise)
+        loop = start.loop()
         origin = start.origin
         oracle = None if truth is None else Oracle(truth)
         found = None
@@ -169,7 +169,7 @@ def concluded(start: Start, field: nn.Module, ending: Ending, clock: Clock, crew
 def prepared(points: Points, settings: Settings, device: torch.device) -> Loop:
     """The loop of a fit before its first step, for those who only want to know what it costs."""
     start = Start.of(points, settings, device)
-    return loop_of(settings, start.field, start.draws, start.generator, start.noise)
+    return start.loop()
 
 
 def keeper_of(run_folder: str | Path | Keeper | None) -> Keeper:

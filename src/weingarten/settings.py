@@ -23,7 +23,8 @@ class Settings:
     term: the one whose weight has this shape and these knots; all empty where none is scheduled.
     stencil: distances of the method's stencil over progress, unit lengths, if it has one.
     steps: optimisation steps. points: drawn per step on each domain, on average. ramp: times so many at the
-    first step and at the last, in stages between. rate: learning rate at its greatest.
+    first step and at the last, in stages between. rate: learning rate at its greatest, times the cloud's pace
+    (`weingarten.scan.pace`).
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the field, as far as the method's has them.
     resolution: cells along the longest side. sharp: whether vertices are put on sharp edges, and within the

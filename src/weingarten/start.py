@@ -20,7 +20,7 @@ from weingarten.fit.optimisers import OPTIMISERS, RATES
 from weingarten.frame import Frame
 from weingarten.scan.diagnose import diagnose
 from weingarten.scan.doubts import doubts
-from weingarten.scan.draws import REACH, Draws
+from weingarten.scan.draws import REACH, CloudDraws, Draws
 from weingarten.scan.generators import Generators
 from weingarten.scan.noise import noise_level
 from weingarten.scan.open_boundary import rims as open_rims
@@ -54,7 +54,7 @@ class Start:
     frame: Frame
     unit: Float64[np.ndarray, "m 3"]
     field: nn.Module
-    draws: Draws
+    draws: CloudDraws
     generator: torch.Generator
     noise: float
     notes: tuple[str, ...]
@@ -93,6 +93,10 @@ class Start:
             settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said, against
         )
 
+    def loop(self) -> Loop:
+        """That of its fit alone, before the first step."""
+        return loop_of(self.settings, self.field, self.draws, self.generator, self.noise, self.draws.pace)
+
     @functools.cached_property
     def origin(self) -> Origin:
         """What a checkpoint of this fit belongs to."""
@@ -105,8 +109,12 @@ def loop_of(
     draws: Draws,
     generator: torch.Generator | Generators,
     noise: float = 0.0,
+    pace: float = 1.0,
 ) -> Loop:
-    """The loop before its first step. On CUDA its steps are recorded, unless the module is the user's own."""
+    """The loop before its first step. pace: by what factor the rate is smaller.
+
+    On CUDA its steps are recorded, unless the module is the user's own.
+    """
     device = next(field.parameters()).device
     crew = crew_for(device)
     kind: Callable[..., Loop] = Loop
@@ -119,7 +127,7 @@ def loop_of(
         generator=generator,
         optimisers=OPTIMISERS[settings.optimiser](field),
         rate=RATES[settings.decay],
-        base_rate=settings.rate,
+        base_rate=settings.rate * pace,
         steps=settings.steps,
         points=settings.points,
         clip=settings.clip,

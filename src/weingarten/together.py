@@ -61,6 +61,17 @@ def reconstruct_many(
     starts = attempted(started, range(len(clouds)), errors)
     if not starts:
         return list(errors.values())
+    outcomes: dict[int, Result] = {}
+    for pace in sorted({start.draws.pace for start in starts.values()}, reverse=True):
+        alike = {index: start for index, start in starts.items() if start.draws.pace == pace}
+        outcomes |= fitted(settings, alike, clocks, observer, errors)
+    return [(outcomes | errors)[index] for index in range(len(clouds))]
+
+
+def fitted(
+    settings: Settings, starts: dict[int, Start], clocks: list[Clock], observer: Observer, errors: Errors
+) -> dict[int, Result]:
+    """The parts of one pace, as one ensemble."""
     loop = joint(settings, list(starts.values()))
     clock = Clock(observer)
     clock.phase("fitting")
@@ -72,8 +83,7 @@ def reconstruct_many(
         clocks[index].seconds |= clock.seconds
         return concluded(starts[index], field, endings[index], clocks[index], loop.crew)
 
-    outcomes = attempted(ended, endings, errors) | errors
-    return [outcomes[index] for index in range(len(clouds))]
+    return attempted(ended, endings, errors)
 
 
 def check_joint(settings: Settings) -> None:
@@ -100,7 +110,8 @@ def joint(settings: Settings, starts: Sequence[Start]) -> Loop:
     """One loop that fits them all."""
     ensemble = Ensemble.of([cast(Siren, start.field) for start in starts])
     draws = Interleaved([start.draws for start in starts])
-    return loop_of(settings, ensemble, draws, Generators([start.generator for start in starts]))
+    generators = Generators([start.generator for start in starts])
+    return loop_of(settings, ensemble, draws, generators, pace=starts[0].draws.pace)
 
 
 def fit_all(loop: Loop, tasks: Sequence[int], observer: Observer, errors: Errors) -> dict[int, Ending]:

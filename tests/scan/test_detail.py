@@ -17,6 +17,7 @@ from weingarten.scan.draws import REACH
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.orientation import TRUSTED, Orientation
 from weingarten.scan.oriented_draws import OrientedDraws
+from weingarten.scan.sheets import Sheets
 from weingarten.settings import resolve
 from weingarten.start import Start
 
@@ -44,7 +45,9 @@ def comb(count, fins, seed=0):
 
 def known(doubtful, radius, count=1000):
     """With such a share of neighbourhoods that are not flat."""
-    return Orientation(np.tile([1.0, 0.0, 0.0], (count, 1)), radius, doubtful)
+    normals = np.tile([1.0, 0.0, 0.0], (count, 1))
+    near = np.zeros((count, 1), dtype=np.int64)
+    return Orientation(normals, radius, doubtful, Sheets.of(np.zeros((count, 3)), normals, near))
 
 
 def test_it_is_the_root_of_the_length_of_edges_per_area():

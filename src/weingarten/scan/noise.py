@@ -15,8 +15,8 @@ NEIGHBOURS = 24
 ASKED = 1000
 """Points whose neighbourhoods are looked at, spread over the cloud's order."""
 
-UNKNOWNS = 3
-"""Of a plane."""
+UNKNOWNS, BENT_UNKNOWNS = 3, 6
+"""Of a plane; of z = c₀ + c₁ x + c₂ y + c₃ x² + c₄ x y + c₅ y²."""
 
 FEWEST, MOST = 12, 192
 """Neighbours that noise is measured with: fewer do not tell it, more reach beyond what is flat."""
@@ -31,6 +31,9 @@ ALIKE, KURTOSIS = 0.8, (2.2, 3.2)
 """Noise is the same everywhere: least ratio of the quantile to the median, both as standard deviations. And
 residuals are Gaussian, of kurtosis 3, or less where a neighbourhood is small. Two sides of a thin wall have
 one of 1, edges and curved places one far above 3."""
+
+STRAIGHT = 0.75
+"""Least share of the noise that is left where the surface may bend: the rest was curvature."""
 
 GROWTH = 1.35
 """By how much the measured noise may grow with a doubled neighbourhood, which had been too small before."""
@@ -49,9 +52,12 @@ class Noise:
 
 @dataclass(frozen=True)
 class Residuals:
-    """Of neighbourhoods of one size. level: as standard deviation of the noise, if they are noise at all."""
+    """Of neighbourhoods of one size. level: as standard deviation of the noise, if they are noise at all.
+    straight: the share of it that bent surfaces through the neighbourhoods leave.
+    """
 
     level: float
+    straight: float
     radius: float
     alike: float
     kurtosis: float
@@ -63,15 +69,16 @@ class Residuals:
         reach, near = tree.query(asked, k=neighbours + 1, workers=-1)
         patches = points[near]
         planes = least_planes(patches)
-        freedom = neighbours + 1 - UNKNOWNS
-        spread = np.sqrt(np.maximum(planes.variances[:, 0], 0.0) * (neighbours + 1) / freedom)
+        places = np.einsum("nkd,ndc->nkc", patches - planes.centres[:, None], planes.axes)
+        spread, level = lowest((places[:, :, 0] ** 2).sum(axis=1), neighbours + 1 - UNKNOWNS)
         flattest = spread <= np.quantile(spread, FLATTEST)
-        offsets = np.einsum("nkd,nd->nk", patches - planes.centres[:, None], planes.normals)[flattest]
+        offsets = places[flattest, :, 0]
         radius = float(np.median(np.asarray(reach)[:, -1]))
         offsets /= np.maximum(spread[flattest], np.finfo(float).eps * radius)[:, None]
-        level = np.quantile(spread, LOW) / np.sqrt(chi2.ppf(LOW, freedom) / freedom)
+        bent = lowest(beside_quadrics(places / radius), neighbours + 1 - BENT_UNKNOWNS)[1] * radius
         return cls(
             level=float(level),
+            straight=float(bent / max(level, np.finfo(float).tiny)),
             radius=radius,
             alike=float(level / max(np.median(spread), np.finfo(float).tiny)),
             kurtosis=float((offsets**4).mean() / max((offsets**2).mean() ** 2, np.finfo(float).tiny)),
@@ -80,7 +87,22 @@ class Residuals:
     @property
     def noisy(self) -> bool:
         """Whether they look like noise, rather than like a surface."""
-        return self.alike > ALIKE and KURTOSIS[0] < self.kurtosis < KURTOSIS[1]
+        gaussian = KURTOSIS[0] < self.kurtosis < KURTOSIS[1]
+        return gaussian and self.alike > ALIKE and self.straight > STRAIGHT
+
+
+def lowest(squares: Float64[np.ndarray, " n"], freedom: int) -> tuple[Float64[np.ndarray, " n"], float]:
+    """√(Σ r² / freedom) of neighbourhoods, and the deviation of noise that gives their LOW quantile."""
+    spread = np.sqrt(squares / freedom)
+    return spread, float(np.quantile(spread, LOW) / np.sqrt(chi2.ppf(LOW, freedom) / freedom))
+
+
+def beside_quadrics(places: Float64[np.ndarray, "n k 3"]) -> Float64[np.ndarray, " n"]:
+    """Σ r² of least squares of each neighbourhood's z = c₀ + c₁ x + … + c₅ y²; places: z, x and y."""
+    z, x, y = np.moveaxis(places, -1, 0)
+    basis = np.linalg.qr(np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1))[0]
+    along = np.einsum("nkc,nk->nc", basis, z)
+    return np.maximum((z**2).sum(axis=1) - (along**2).sum(axis=1), 0.0)
 
 
 def noise_of(points: Points, tree: KDTree) -> Noise:

@@ -8,21 +8,28 @@ from jaxtyping import Float64
 
 @dataclass(frozen=True)
 class Planes:
-    """The planes of least squares through patches: their points' mean, unit normals of arbitrary sign, and
-    the points' variances along the principal axes, the least first.
+    """The planes of least squares through patches.
+
+    centres: the points' means. variances: along their principal axes, the least first. axes: these, unit
+    columns of arbitrary sign.
     """
 
     centres: Float64[np.ndarray, "n 3"]
-    normals: Float64[np.ndarray, "n 3"]
     variances: Float64[np.ndarray, "n 3"]
+    axes: Float64[np.ndarray, "n 3 3"]
+
+    @property
+    def normals(self) -> Float64[np.ndarray, "n 3"]:
+        """Unit, of arbitrary sign."""
+        return self.axes[:, :, 0]
 
 
 def least_planes(patches: Float64[np.ndarray, "n k 3"]) -> Planes:
     """Through each patch."""
     centres = patches.mean(axis=1)
     centred = patches - centres[:, None]
-    variances, directions = np.linalg.eigh(centred.transpose(0, 2, 1) @ centred)
-    return Planes(centres, directions[:, :, 0], variances / patches.shape[1])
+    variances, axes = np.linalg.eigh(centred.transpose(0, 2, 1) @ centred)
+    return Planes(centres, variances / patches.shape[1], axes)
 
 
 def plane_normals(

@@ -11,6 +11,8 @@ the minimiser of
 over pairs of neighbours, with sᵢⱼ = sgn nᵢ·nⱼ, wᵢⱼ = (nᵢ·nⱼ)² exp(−(cᵢⱼ / LEVEL)² − (oᵢⱼ / OFF)²), cᵢⱼ
 the greater |cosine| between the way from i to j and the two normals, and oᵢⱼ the greater distance of one from
 the other's tangent plane, in radii of the neighbourhood: across a wall the way leaves the tangent plane.
+Neighbours on two sheets (`weingarten.scan.sheets`) have opposite normals: for them sᵢⱼ = −sgn nᵢ·nⱼ and
+wᵢⱼ = OPPOSITE. So a sheet that no witness sees, as the inside of a narrow tray, is told by its other side.
 mᵢ ∈ [−1, 1] is the mean cosine between a point's normal and the ways to its witnesses, with their signs.
 xᵢ ∈ [−1, 1] has the sign of the normal, and |xᵢ| says how sure it is: where witnesses contradict each other
 they cancel, and where there are none DOUBT has it. Like the harmonic extension of labels over a graph (Zhu,
@@ -28,6 +30,7 @@ from scipy.spatial import KDTree
 
 from weingarten.scan.facets import facets
 from weingarten.scan.normals import plane_normals
+from weingarten.scan.sheets import Sheets
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -46,8 +49,9 @@ OFF = 0.15
 FRONTAL = 0.7
 """Least |cosine| between a point's normal and the way to a witness of its."""
 
-WITNESS, DOUBT, BOND = 0.3, 1e-4, 1e-6
-"""Weights: of witnesses and of doubt against those of neighbours, of which none is below BOND."""
+WITNESS, DOUBT, BOND, OPPOSITE = 0.3, 1e-4, 1e-6, 0.1
+"""Weights: of witnesses and of doubt against those of neighbours, of which none is below BOND; and of
+neighbours on another sheet."""
 
 FLAT = 0.03
 """Ratio of a neighbourhood's two smaller variances at which its normal counts half: edges and noise."""
@@ -64,16 +68,23 @@ class Orientation:
     """normals: outward, as long as they are to be trusted, from 0 to 1.
     radius: of the points' neighbourhoods, the median, in the unit of the points.
     bent: share of the points whose neighbourhood is not flat, or whose sign is not known.
+    sheets: which of their neighbours are on the other side of a thin wall.
     """
 
     normals: Points
     radius: float
     bent: float
+    sheets: Sheets
 
     @property
     def trust(self) -> Float64[np.ndarray, " n"]:
         """How long the normals are."""
         return np.linalg.norm(self.normals, axis=1)
+
+    @property
+    def known(self) -> float:
+        """Share of the points whose normal is to be trusted."""
+        return float(np.mean(self.trust > TRUSTED))
 
 
 def orientation(
@@ -98,14 +109,15 @@ def orientation(
         shared = facets(points, near)
         clear = np.maximum(flat, shared.trust)
         normals = np.where((shared.trust > flat)[:, None], shared.normals, normals)
+        sheets = Sheets.of(points, normals, close)
     else:
         normals, flat = planes
-        clear = flat
-    told = evidence(points, normals, witnesses, signs, nearest)
-    signed = spread_signs(points, normals, close, told)
+        clear, sheets = flat, Sheets.one(points, normals, close)
+    told = evidence(points, normals, witnesses, signs, sheets.before(witnesses, nearest))
+    signed = spread_signs(sheets, told)
     sure = np.minimum(np.abs(signed), 1.0)
     bent = float(np.mean(sure * flat <= TRUSTED))
-    return Orientation(normals * (np.sign(signed) * sure * clear)[:, None], radius, bent)
+    return Orientation(normals * (np.sign(signed) * sure * clear)[:, None], radius, bent, sheets)
 
 
 def flat_normals(patches: Float64[np.ndarray, "n k 3"]) -> tuple[Points, Float64[np.ndarray, " n"]]:
@@ -130,10 +142,9 @@ def evidence(
     return np.bincount(heard, said, minlength=len(points)) / np.maximum(count, 1)
 
 
-def spread_signs(
-    points: Points, normals: Points, near: Int64[np.ndarray, "n k"], told: Float64[np.ndarray, " n"]
-) -> Float64[np.ndarray, " n"]:
+def spread_signs(sheets: Sheets, told: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, " n"]:
     """x, the minimiser of E."""
+    points, normals, near = sheets.points, sheets.normals, sheets.near
     count, k = near.shape
     way = points[near] - points[:, None]
     length = np.maximum(np.linalg.norm(way, axis=-1), np.finfo(float).tiny)
@@ -142,6 +153,7 @@ def spread_signs(
     )
     cosine = np.einsum("nd,nkd->nk", normals, normals[near])
     weight = cosine**2 * np.exp(-((off / length / LEVEL) ** 2) - (off / length[:, -1:] / OFF) ** 2) + BOND
+    weight = np.where(sheets.across, -OPPOSITE, weight)
     rows = np.arange(0, count * k + 1, k)
     graph = csr_matrix(((weight * np.sign(cosine)).ravel(), near.ravel(), rows), shape=(count, count))
     graph = 0.5 * (graph + graph.T)

@@ -10,6 +10,7 @@ from weingarten.scan.detail import detail
 from weingarten.scan.draws import POOL, REACH, SignedDraws, positions
 from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.orientation import TRUSTED, Orientation, orientation
+from weingarten.scan.pace import pace
 from weingarten.scan.sample import Sample
 
 Points = Float64[np.ndarray, "n 3"]
@@ -43,7 +44,7 @@ class OrientedDraws(SignedDraws):
         witnesses, signs = positions(self.pool)[told], np.sign(self.distance.numpy()[told])
         found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told], planes)
         self.normals, self.detail = torch.from_numpy(found.normals.astype(np.float32)), detail(found)
-        self.known = float(np.mean(found.trust > TRUSTED))
+        self.pace, self.known = pace(found.sheets), found.known
         within, distance = self.within(tree, found, WIDTH * space.shell, generator)
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
         self.pool = torch.cat([self.pool[kept], within])
@@ -56,7 +57,8 @@ class OrientedDraws(SignedDraws):
         about = torch.randint(len(self.points), (int(2 * WITHIN * POOL),), generator=generator)
         drawn = self.points[about] + width * torch.randn(len(about), 3, generator=generator)
         at = positions(drawn)
-        gap, nearest = tree.query(at, workers=-1)
+        nearest = found.sheets.before(at, np.asarray(tree.query(at, workers=-1)[1]))
+        gap = np.linalg.norm(at - tree.data[nearest], axis=1)
         trust = found.trust[nearest]
         along = np.einsum("nd,nd->n", at - tree.data[nearest], found.normals[nearest])
         frontal = (trust > TRUSTED) & (np.abs(along) > HEAD_ON * trust * gap)
