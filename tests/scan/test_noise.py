@@ -61,6 +61,30 @@ def test_a_clean_part_has_none_however_few_its_points(name, count):
     assert noise(sample_part(name, count, 0)).level < 1e-4 * np.ptp(sample_part(name, count, 0), axis=0).max()
 
 
+def curved(name, count):
+    """A ball, or a tube of a ring, of random points."""
+    random = np.random.default_rng(0)
+    drawn = random.normal(size=(count, 3))
+    if name == "ball":
+        return drawn / np.linalg.norm(drawn, axis=1)[:, None]
+    turn, round_ = random.uniform(0.0, 2.0 * np.pi, (2, count))
+    radius = 0.7 + 0.3 * np.cos(round_)
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), 0.3 * np.sin(round_)])
+
+
+@pytest.mark.parametrize("name", ["ball", "ring"])
+@pytest.mark.parametrize("count", [1500, 5000, 30_000])
+def test_curvature_is_no_noise(name, count):
+    assert noise(curved(name, count)).level == 0.0
+
+
+@pytest.mark.parametrize("sigma", [0.002, 0.005])
+def test_noise_of_a_curved_surface_is_told(sigma):
+    points = curved("ball", 30_000)
+    points += sigma * np.random.default_rng(1).normal(size=points.shape)
+    assert noise(points).level == pytest.approx(sigma, rel=0.15)
+
+
 def test_more_noise_takes_larger_neighbourhoods():
     counts = [noise(scattered("block", deviation)[0]).neighbours for deviation in (0.001, 0.005, 0.01)]
     assert counts == sorted(counts)
