@@ -37,10 +37,9 @@ class Primitives:
         return np.where(label == FREE, 0, 1 + label % len(PAINTS)).astype(np.uint8)
 
     def legend(self) -> list[tuple[int, str]]:
-        """Paint and name of every primitive, those of most vertices first."""
-        count = np.bincount(self.labels[self.labels != FREE], minlength=len(self.names))
-        order = np.argsort(-count, kind="stable")
-        return [(int(1 + k % len(PAINTS)), self.names[k]) for k in order if count[k]]
+        """Paint and name of every primitive that has vertices, in the order of the table."""
+        there = np.unique(self.labels[self.labels != FREE])
+        return [(int(1 + k % len(PAINTS)), self.names[k]) for k in there]
 
 
 def primitives_in(folder: Path, mesh: Mesh) -> Primitives | None:
