@@ -10,7 +10,6 @@ OUT holds. Run it with the Python of the environment that has weingarten.
 """
 
 import argparse
-import json
 import statistics
 import subprocess
 import sys
@@ -18,11 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from judged import Fits, judged, provenance, right
 from kept import pack, unpack
 
 from weingarten.io.mesh import read_mesh, write_mesh
 from weingarten.mesh import Mesh
-from weingarten.report.provenance import commit, machine, today
 
 ROOT = Path(__file__).resolve().parent.parent
 ARCHIVE = ROOT / "results" / "damage.tar.xz"
@@ -107,33 +106,14 @@ def carry_out(chosen: argparse.Namespace, rows: list[Row]) -> None:
         pack(chosen.out, ARCHIVE)
 
 
-def found(folder: Path, method: str) -> dict[tuple[str, str], dict]:
-    """Figures by `exact-1` of every fit of a row, by part and seed, with what its summary says against it."""
-    values = {}
-    for path in sorted(folder.glob(f"bench/fits/*/{method}/seed*/figures.json")):
-        figures = json.loads(path.read_text(encoding="utf-8"))
-        summary = path.with_name("summary.json")
-        told = json.loads(summary.read_text(encoding="utf-8")) if summary.exists() else {}
-        said = bool(told.get("doubts"))
-        fit = json.loads(path.with_name("fit.json").read_text(encoding="utf-8"))
-        values[path.parts[-4], path.parts[-2]] = {
-            **figures["exact-1"],
-            "said": said,
-            "seconds": fit["seconds"],
-            "doubts": told.get("doubts"),
-        }
-    return values
+def judged_row(out: Path, row: Row, method: str = METHODS[0]) -> Fits:
+    """The fits of a row by one method, ours if none is named."""
+    return judged(out / row.name / "bench", method)
 
 
-def right(one: dict) -> bool:
-    """Whether a mesh is closed, in as many pieces and with as many handles as the truth."""
-    same = one["components"] == one["truth_components"] and one["genus"] == one["truth_genus"]
-    return bool(one["watertight"]) and same
-
-
-def cells(out: Path, row: Row, clean: dict[tuple[str, str], dict]) -> list[str]:
+def cells(out: Path, row: Row, clean: Fits) -> list[str]:
     """A row of the table."""
-    ours, theirs = (found(out / row.name, method) for method in METHODS)
+    ours, theirs = (judged_row(out, row, method) for method in METHODS)
     both = sorted(set(ours) & set(theirs))
     if not both:
         return [row.says, *["–"] * 9]
@@ -153,7 +133,8 @@ def cells(out: Path, row: Row, clean: dict[tuple[str, str], dict]) -> list[str]:
 
 def table(chosen: argparse.Namespace) -> str:
     """The page."""
-    clean = found(chosen.out / "clean", METHODS[0])
+    clean = judged_row(chosen.out, ROWS[0])
+    fits = {(row.name, *key): one for row in ROWS for key, one in judged_row(chosen.out, row).items()}
     headings = [
         "damage",
         "fits",
@@ -169,7 +150,7 @@ def table(chosen: argparse.Namespace) -> str:
         "# Damaged scans",
         "",
         "- command: `python runs/damage.py DATA OUT`, then `--table`",
-        f"- commit: {commit(ROOT)}; date: {today()}; machine: {machine()}",
+        f"- {provenance(fits)}",
         f"- parts: {', '.join(chosen.parts)}; protocol exact-1, against the undamaged truth",
         f"- CD: mean (s.d.), worst; bad: wrong topology, or CD above {BAD:g} times that of the clean scan; "
         "silent: the summary had no doubts",
