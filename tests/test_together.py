@@ -135,6 +135,17 @@ def test_an_observer_sees_every_part_and_can_stop(clouds):
     assert [(outcome.finished, outcome.summary.steps) for outcome in outcomes] == [(False, 2)] * 3
 
 
+def test_crowded_parts_are_fitted_after_the_others_under_their_own_numbers(clouds):
+    plate = np.random.default_rng(0).uniform(-1, 1, (800, 3))
+    plate[:, 2] = np.where(np.arange(800) % 2, 0.05, -0.05)
+    watcher = Watcher()
+    settings = wg.resolve(**BRIEF)
+    crowded, plain = wg.reconstruct_many([plate, clouds[0]], settings, observer=watcher)
+    assert watcher.records == [(step, 1) for step in range(6)] + [(step, 0) for step in range(6)]
+    assert crowded.summary.loss == pytest.approx(wg.reconstruct(plate, settings).summary.loss, rel=1e-3)
+    assert plain.summary.loss == pytest.approx(wg.reconstruct(clouds[0], settings).summary.loss, rel=1e-3)
+
+
 def test_mending_a_cloud_is_noted_once(clouds):
     watcher = Watcher()
     twice = np.concatenate([clouds[0], clouds[0][:5]])

@@ -1,6 +1,7 @@
 """Many clouds in, as many meshes out: their fields are fitted together, as one ensemble."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TypeVar, cast
 
 import numpy as np
@@ -64,8 +65,27 @@ def reconstruct_many(
     outcomes: dict[int, Result] = {}
     for pace in sorted({start.draws.pace for start in starts.values()}, reverse=True):
         alike = {index: start for index, start in starts.items() if start.draws.pace == pace}
-        outcomes |= fitted(settings, alike, clocks, observer, errors)
+        outcomes |= fitted(settings, alike, clocks, Numbered(observer, list(starts), list(alike)), errors)
     return [(outcomes | errors)[index] for index in range(len(clouds))]
+
+
+class Numbered(Observer):
+    """Tells an observer of steps by the number that a part has among all, not among those fitted now."""
+
+    def __init__(self, observer: Observer, every: list[int], now: list[int]) -> None:
+        self.observer, self.numbers = observer, [every.index(task) for task in now]
+
+    def phase(self, name: str) -> None:
+        """See Observer."""
+        self.observer.phase(name)
+
+    def step(self, record: Record, steps: int, seconds: float) -> None:
+        """See Observer."""
+        self.observer.step(replace(record, member=self.numbers[record.member]), steps, seconds)
+
+    def interrupted(self) -> bool:
+        """See Observer."""
+        return self.observer.interrupted()
 
 
 def fitted(
