@@ -133,7 +133,7 @@ def reconstruct(
         for note in start.notes:
             observer.note(note)
         keeper.begin(origin, start.cloud, found)
-        observer.expect(estimate(loop, settings.resolution), settings.steps)
+        observer.expect(estimate(loop, origin.cells), settings.steps)
         clock.phase("fitting")
         finished, loss = fit(loop, origin, keeper, observer, oracle)
         if oracle is not None:
@@ -229,9 +229,9 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     planes = field_planes(module, crew)
     mesher = SharpContour(planes, cloud_planes(unit, planes)) if settings.sharp else marching_cubes
-    found = extraction(values, lower, upper, settings.resolution, BATCH, crew, mesher)
+    found = extraction(values, lower, upper, origin.cells, BATCH, crew, mesher)
     mesh = drop_ghosts(found.mesh, unit)
-    notes = found.notes
+    notes = (*fineness_notes(origin), *found.notes)
     if len(mesh.faces) < len(found.mesh.faces):
         dropped = len(found.mesh.faces) - len(mesh.faces)
         notes = (*notes, f"{dropped:,} faces that no points support were removed as ghosts.")
@@ -240,6 +240,17 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     if settings.trim > 0.0:
         mesh = trimmed(mesh, unit, settings.trim / origin.frame.scale)
     return mesh, notes
+
+
+def fineness_notes(origin: Origin) -> tuple[str, ...]:
+    """What the user should know of the lattice."""
+    if origin.cells == origin.settings.resolution:
+        return ()
+    apart, asked = origin.apart * origin.frame.scale, origin.settings.resolution
+    return (
+        f"Walls or gaps are as thin as {apart:.3g}: the mesh is made with {origin.cells} cells along the "
+        f"longest side rather than {asked}.",
+    )
 
 
 def remesh(

@@ -27,7 +27,8 @@ class Settings:
     (`weingarten.scan.pace`).
     decay: how the rate moves (fit.optimisers.RATES). clip: greatest norm of the gradient.
     width, depth, frequency: of the field, as far as the method's has them.
-    resolution: cells along the longest side. sharp: whether vertices are put on sharp edges, and within the
+    resolution: cells along the longest side, or up to twice as many where walls and gaps are thin
+    (`weingarten.surface.fineness`). sharp: whether vertices are put on sharp edges, and within the
     flat faces that bound the cloud. trim: distance from the points beyond which surface is left out, in the
     cloud's unit; 0 leaves out none.
     """
@@ -106,7 +107,7 @@ STANDARD = Settings(
     knots=METHODS["odw-oriented"].schedule.knots,
     stencil=(),
     seed=0,
-    steps=950,
+    steps=750,
     points=1000,
     ramp=(0.4, 1.6),
     optimiser="muon",

@@ -100,7 +100,7 @@ class Start:
     @functools.cached_property
     def origin(self) -> Origin:
         """What a checkpoint of this fit belongs to."""
-        return origin_of(self.settings, self.frame, self.cloud)
+        return origin_of(self.settings, self.frame, self.cloud, self.draws.apart)
 
 
 def loop_of(
@@ -139,12 +139,12 @@ def loop_of(
     )
 
 
-def origin_of(settings: Settings, frame: Frame, cloud: Points) -> Origin:
+def origin_of(settings: Settings, frame: Frame, cloud: Points, apart: float) -> Origin:
     """What a checkpoint of this fit belongs to, and the box its surface is looked for in, from all points."""
     corners = frame.to_unit(np.stack([cloud.min(axis=0), cloud.max(axis=0)]))
     lower = np.maximum(corners[0] - MARGIN, -REACH)
     upper = np.minimum(corners[1] + MARGIN, REACH)
-    return Origin(settings, frame, fingerprint(cloud), triple(lower), triple(upper))
+    return Origin(settings, frame, fingerprint(cloud), triple(lower), triple(upper), apart)
 
 
 def triple(vector: Float64[np.ndarray, " 3"]) -> tuple[float, float, float]:

@@ -30,7 +30,7 @@ def found(make_loop, tmp_path):
     for _ in range(4):
         loop.advance()
     box = tuple(map(float, np.ones(3)))
-    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box)
+    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box, 2.2)
     save(tmp_path / "checkpoint", loop, origin, {}, {})
     return load(tmp_path / "checkpoint"), loop
 
@@ -57,7 +57,7 @@ def test_a_checkpoint_of_another_kind_of_device_is_refused_before_anything_chang
 
 def test_a_checkpoint_of_another_format_is_refused(make_loop, tmp_path, monkeypatch):
     box = (1.0, 1.0, 1.0)
-    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box)
+    origin = Origin(resolve(), Frame((0.0, 0.0, 0.0), 1.0), "", box, box, 2.2)
     monkeypatch.setattr(checkpoints, "FORMAT", "weingarten-2")
     save(tmp_path / "old", fresh(make_loop), origin, {}, {})
     monkeypatch.undo()

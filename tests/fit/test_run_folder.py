@@ -12,7 +12,7 @@ from weingarten.frame import Frame
 from weingarten.settings import resolve
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3))
-ORIGIN = Origin(resolve(), Frame.of(POINTS), fingerprint(POINTS), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+ORIGIN = Origin(resolve(), Frame.of(POINTS), fingerprint(POINTS), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), 2.2)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.orientation import NEIGHBOURS, OTHERS
 from weingarten.scan.oriented_draws import OrientedDraws
 from weingarten.scan.pace import CROWDED, SLOW, pace
-from weingarten.scan.sheets import Sheets
+from weingarten.scan.sheets import NOTABLE, Sheets
 
 
 def faces(gap, count=4000, seed=0):
@@ -37,7 +37,19 @@ def test_neighbours_across_a_gap_are_on_another_sheet_and_no_others():
     far = np.linalg.norm(points[found.near] - points[:, None], axis=-1) > 0.08 - 1e-3
     assert found.across[other & ~far].all()
     assert found.crowd > 0.9
-    assert sheets(*faces(0.3)).crowd == 0.0
+    assert found.apart == pytest.approx(0.02)
+    alone = sheets(*faces(0.3))
+    assert alone.crowd == 0.0
+    assert alone.apart == np.inf
+
+
+def test_a_few_points_are_no_sheet():
+    points, normals = faces(0.3)
+    stray = np.linalg.norm(points - [0.5, 0.5, 0.0], axis=1).argsort()[:40]
+    points[stray, 2] += 0.02
+    found = sheets(points, normals)
+    assert 0.0 < found.crowd < NOTABLE
+    assert found.apart == np.inf
 
 
 def test_a_place_is_heard_by_the_sheet_that_it_stands_before():

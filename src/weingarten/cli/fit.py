@@ -56,7 +56,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         "--resolution",
         type=int,
         metavar="N",
-        help="cells along the longest side (default: preset's)",
+        help="cells along the longest side, up to twice as many for thin walls (default: preset's)",
     )
     verb.add_argument("--seed", type=int, default=0, metavar="N", help="seed of every random draw")
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")

@@ -24,7 +24,10 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("folder", metavar="RUN", type=Path, help="run folder of `weingarten fit --run`")
     verb.add_argument("-o", "--output", metavar="MESH", type=Path, required=True, help="mesh to write")
     verb.add_argument(
-        "--resolution", type=int, metavar="N", help="cells along the longest side; as in the fit by default"
+        "--resolution",
+        type=int,
+        metavar="N",
+        help="cells along the longest side, up to twice as many for thin walls; as in the fit by default",
     )
     verb.add_argument(
         "--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: as in the fit)"

@@ -23,8 +23,9 @@ from weingarten.fit.loop import Loop
 from weingarten.frame import Frame
 from weingarten.io.reading import reading
 from weingarten.settings import Settings
+from weingarten.surface.fineness import cells_along
 
-FORMAT = "weingarten-6"
+FORMAT = "weingarten-7"
 EXTRACTION = ("resolution", "sharp", "trim")
 """Settings that a fit may be resumed with otherwise: they are of its surface, not of its field."""
 
@@ -37,13 +38,23 @@ KEPT = "kept."
 
 @dataclass(frozen=True)
 class Origin:
-    """What a checkpoint belongs to: settings, frame, fingerprint of the points, box of the surface."""
+    """What a checkpoint belongs to: settings, frame, fingerprint of the points, box of the surface.
+
+    apart: distance of the closest sheets of the surface, unit lengths.
+    """
 
     settings: Settings
     frame: Frame
     fingerprint: str
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
+    apart: float
+
+    @property
+    def cells(self) -> int:
+        """Of the surface's lattice, along its longest side: those of the settings, more for thin walls."""
+        sides = [high - low for low, high in zip(self.lower, self.upper, strict=True)]
+        return cells_along(self.settings.resolution, max(sides), self.apart)
 
 
 @dataclass(frozen=True)
@@ -103,6 +114,7 @@ def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor
         "fingerprint": origin.fingerprint,
         "lower": origin.lower,
         "upper": origin.upper,
+        "apart": origin.apart,
         "extra": extra,
         "adaptive": {name: own.state() for name, own in loop.adaptive.items()},
     }
@@ -129,11 +141,12 @@ def load(path: Path) -> Checkpoint:
                 f"{path} is of format {header['format']!r}, not {FORMAT!r}; start the fit anew."
             )
         settings = Settings.from_dict(header["settings"])
-        frame = Frame(triple(header["frame"]["centre"]), scale(header["frame"]["scale"]))
+        frame = Frame(triple(header["frame"]["centre"]), positive(header["frame"]["scale"], "its scale"))
         lower, upper = triple(header["lower"]), triple(header["upper"])
         if not all(-FARTHEST < low <= high < FARTHEST for low, high in zip(lower, upper, strict=True)):
             raise ValueError("its box is none")
-        origin = Origin(settings, frame, str(header["fingerprint"]), lower, upper)
+        apart = positive(header["apart"], "its distance of sheets")
+        origin = Origin(settings, frame, str(header["fingerprint"]), lower, upper, apart)
         return Checkpoint(
             origin, int(header["step"]), tensors, dict(header["extra"]), dict(header["adaptive"])
         )
@@ -147,10 +160,10 @@ def triple(values: Sequence[float]) -> tuple[float, float, float]:
     return x, y, z
 
 
-def scale(value: float) -> float:
+def positive(value: float, name: str) -> float:
     """A finite number above zero; ValueError for anything else."""
     if not 0.0 < float(value) < math.inf:
-        raise ValueError("its scale is not positive")
+        raise ValueError(f"{name} is not positive")
     return float(value)
 
 

@@ -45,12 +45,14 @@ class CloudDraws:
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.
     detail: by what factor a field's waves should begin shorter, as far as is known of the part.
     pace: by what factor the rate should be smaller.
+    apart: distance of the closest sheets of the surface; the side of the box where none are known.
     weight: what each point of the cloud counts; None where all count fully.
     known: share of the points at which the direction of the surface is known; 1 where nobody asked for it.
     """
 
     detail: float = 1.0
     pace: float = 1.0
+    apart: float = 2.0 * REACH
     known: float = 1.0
     weight: Float[Tensor, " n"] | None = None
 

@@ -45,6 +45,7 @@ class OrientedDraws(SignedDraws):
         found = orientation(points, tree, witnesses, signs.astype(np.float64), self.nearest[told], planes)
         self.normals, self.detail = torch.from_numpy(found.normals.astype(np.float32)), detail(found)
         self.pace, self.known = pace(found.sheets), found.known
+        self.apart = min(self.apart, found.sheets.apart)
         within, distance = self.within(tree, found, WIDTH * space.shell, generator)
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
         self.pool = torch.cat([self.pool[kept], within])

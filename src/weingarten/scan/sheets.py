@@ -24,6 +24,9 @@ APART = 0.15
 """Least distance of two sheets, in radii of the neighbourhood: rounded coordinates, and noise so small that
 nobody has noticed it, are no sheets."""
 
+NOTABLE = 0.03
+"""Share of the points that have to have another sheet so close. Along edges up to 0.01 seem to."""
+
 
 @dataclass(frozen=True)
 class Sheets:
@@ -57,6 +60,13 @@ class Sheets:
     def crowd(self) -> float:
         """Share of the points that have another sheet among their neighbours."""
         return float(np.mean(np.any(self.across, axis=1)))
+
+    @property
+    def apart(self) -> float:
+        """Distance within which NOTABLE of the points have another sheet; infinite where fewer have any."""
+        way = np.einsum("nkd,nd->nk", self.points[self.near] - self.points[:, None], self.normals)
+        closest = np.where(self.across, np.abs(way), np.inf).min(axis=1)
+        return float(np.quantile(closest, NOTABLE, method="higher"))
 
     def before(
         self, places: Float64[np.ndarray, "m 3"], nearest: Int64[np.ndarray, " m"]
