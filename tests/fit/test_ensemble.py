@@ -99,7 +99,7 @@ def test_a_fit_together_is_the_fits_alone(parts, method, optimiser):
     assert_equal_fits(together(*setting), alone(*setting), STEPS, 1e-9)
 
 
-@pytest.mark.parametrize("chunk", [7, 50])
+@pytest.mark.parametrize("chunk", [17, 50])
 @pytest.mark.parametrize("crew", [Crew(), Crew(2)])
 def test_pieces_of_the_points_hold_every_part(parts, chunk, crew):
     """As the method's own schedule has it: the curvature's weight ends after a third of the steps."""

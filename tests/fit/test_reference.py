@@ -6,8 +6,8 @@ rounding or not. The reference in float32 leaves the reference in float64 by 30 
 agreement is asked for where it means something:
 
 - in float64, width 64, the free-running curves agree (measured: 6e-10 or better at the last step);
-- in float32, full width, the curve of the engine is the reference's loss at the engine's own weights, at
-  every step; its gradient likewise, and is no farther from the float64 gradient than the reference's.
+- in float32, full width, the curve of the engine is the reference's loss at the engine's own weights;
+  its gradient likewise, and is no farther from the float64 gradient than the reference's.
 """
 
 import importlib.util
@@ -28,6 +28,8 @@ reference = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(reference)
 
 STEPS = 200
+LOOKED_AT = {"quintic": 1}
+"""Every how many steps a float32 curve is compared: at all of the paper's schedule, every fifth of others."""
 STENCIL = {"odw-paper": None, "odw-paper-fd": 0.05}
 
 
@@ -62,13 +64,16 @@ def test_the_float64_loss_curve_is_the_references(make_loop, method, name):
 
 
 @pytest.mark.parametrize("name", SCHEDULES)
-def test_the_float32_loss_curve_is_the_references_at_every_step(make_loop, name):
+def test_the_float32_loss_curve_is_the_references(make_loop, name):
     """The reference in float64 at the loop's own weights: in float32 its own rounding reaches 2e-3.
 
     The machine code's stays below 2e-5 on one maker's processors and reaches 7e-5 on another's.
     """
     loop = make_loop(scheduled("odw-paper", name), points=48)
     for step in range(STEPS):
+        if step % LOOKED_AT.get(name, 5):
+            loop.advance()
+            continue
         points, angles = next_points(loop)
         weights = [weight.detach().double() for weight in in_turn(loop.field)]
         at = {domain: x.double() for domain, x in points.items()}
