@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import shlex
 import signal
 import sys
 import time
@@ -87,10 +88,20 @@ def test_a_run_folder_for_each_and_failures_alone(finished):
     assert "Traceback" not in errors
     names = {path.name for path in (out / "block").iterdir()}
     kept = {"config.toml", "loss.csv", "checkpoint.safetensors", "cloud.npy", "mesh.ply", "summary.json"}
-    assert names == kept | {"history", "fit.json", "log.txt", "seen.png"}
+    assert names == kept | {"history", "made.json", "fit.json", "log.txt", "seen.png"}
     assert "Step 30 of 30" in (out / "block/log.txt").read_text()
     assert not temporaries(out)
     assert not temporaries(out / "block")
+
+
+def test_each_run_folder_says_how_it_is_made_alone(finished, scans):
+    folder = finished[0] / "block"
+    made = json.loads((folder / "made.json").read_text())
+    assert made["commit"] == "c"
+    assert made["device"] == "cpu"
+    words = shlex.split(made["command"])
+    assert words[:5] == ["weingarten", "fit", str(scans / "block.npy"), "-o", str(folder / "mesh.ply")]
+    assert words[5:] == ["--run", str(folder), *SHORT]
 
 
 def test_the_table_says_what_the_summaries_say(finished):

@@ -94,7 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.cloud.is_dir():
         with importing():
             import weingarten.many.cloud_fit  # noqa: F401
-        return fit_folder.run(arguments, settings_of(arguments))
+        return fit_folder.run(arguments, settings_of(arguments), repeated(arguments))
     fit_folder.refuse_options(arguments)
     if arguments.resume and arguments.folder is None:
         raise OptionError("--resume needs --run DIR, the folder of the fit to go on with.")

@@ -1,6 +1,7 @@
 """`weingarten fit FOLDER -o OUT`: a folder of clouds in, a folder of run folders and a table out."""
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,8 +45,11 @@ def refuse_options(arguments: argparse.Namespace) -> None:
             )
 
 
-def run(arguments: argparse.Namespace, settings: "Settings") -> int:
-    """Fit all; 1 where any failed. Raises a WeingartenError that names the option or file at fault."""
+def run(arguments: argparse.Namespace, settings: "Settings", options: list[str]) -> int:
+    """Fit all; 1 where any failed. options: that make a fit of one cloud the same fit.
+
+    Raises a WeingartenError that names the option or file at fault.
+    """
     from weingarten.atomic import check_writable
     from weingarten.many.ledger import Ledger
     from weingarten.many.records import make_folder
@@ -56,7 +60,8 @@ def run(arguments: argparse.Namespace, settings: "Settings") -> int:
     crowd = crowd_of(arguments, alone=False)
     named = clouds(arguments, share)
     with crowd.working(), campaign.watching(arguments.quiet) as watcher:
-        jobs = fits(arguments, settings, named, crowd.device(arguments.device), crowd.threads.count)
+        device = crowd.device(arguments.device)
+        jobs = fits(arguments, settings, options, named, device, crowd.threads.count)
         waiting = [[job] for job in jobs if not job.done(arguments.retry)]
         make_folder(out)
         check_writable(out / "results.csv")
@@ -116,6 +121,7 @@ def clouds(arguments: argparse.Namespace, share: tuple[int, int]) -> dict[str, P
 def fits(
     arguments: argparse.Namespace,
     settings: "Settings",
+    options: list[str],
     named: dict[str, Path],
     device: str,
     threads: int | None,
@@ -124,12 +130,29 @@ def fits(
     from weingarten.many.cloud_fit import CloudFit
     from weingarten.report.provenance import machine, origin
 
-    picture = None if arguments.picture is None else arguments.picture.name
+    out, picture = arguments.output, None if arguments.picture is None else arguments.picture.name
     where = origin(machine(threads))
     return [
-        CloudFit(arguments.output, name, path, path.stat().st_size, settings, device, where, picture)
+        CloudFit(
+            out,
+            name,
+            path,
+            path.stat().st_size,
+            settings,
+            device,
+            asked(path, out / name, options),
+            where,
+            picture,
+        )
         for name, path in named.items()
     ]
+
+
+def asked(cloud: Path, folder: Path, options: list[str]) -> dict[str, str]:
+    """What a fit of a folder is asked for: cloud, mesh, and the command that makes it alone."""
+    mesh = folder / "mesh.ply"
+    words = ["weingarten", "fit", cloud, "-o", mesh, "--run", folder, *options]
+    return {"cloud": str(cloud), "mesh": str(mesh), "command": shlex.join(map(str, words))}
 
 
 def report(out: Path, own: "list[Row]", failed: "list[Row]") -> None:

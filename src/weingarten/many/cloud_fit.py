@@ -31,7 +31,8 @@ BEGUN = "begun"
 class CloudFit(Job):
     """The fit of a cloud. label: its name within `out`. size: of the file in bytes. picture: a file's name.
 
-    origin: where it is done, for the record: machine, version, commit, date.
+    asked: cloud, mesh and command of this fit alone, as who asked for it sees them, for the run folder's
+    record. origin: where it is done, for every record: machine, version, commit, date.
     """
 
     out: Path
@@ -40,6 +41,7 @@ class CloudFit(Job):
     size: int
     settings: Settings
     device: str
+    asked: dict[str, str]
     origin: dict[str, str]
     picture: str | None = None
 
@@ -117,7 +119,8 @@ class CloudFit(Job):
         process, started = psutil.Process(), time.perf_counter()
         before = process.cpu_times()
         points = read_points(self.cloud)
-        result, earlier = gone_on(points, self.settings, self.device, RunFolder(self.folder), observer=log)
+        keeper = RunFolder(self.folder, {**self.asked, "device": self.device, **self.origin})
+        result, earlier = gone_on(points, self.settings, self.device, keeper, observer=log)
         if self.picture is not None:
             write_picture(self.folder / self.picture, points, result.mesh)
         wall, after = time.perf_counter() - started, process.cpu_times()
