@@ -1,6 +1,6 @@
 """Clouds as scans really are: every kind and level of damage, weingarten beside screened Poisson.
 
-    python runs/damage.py DATA OUT [--parts abc_00000003 ...] [--rows noise-0.5 ...] [--seeds 3]
+    python runs/damage.py DATA OUT [--parts abc_00000003 ...] [--rows noise-0.5 ...] [--seeds 3] [--jobs 2]
     python runs/damage.py DATA OUT --table
 
 DATA holds true meshes. Each row is a benchmark of its own in OUT/ROW: `weingarten sample` damages a scan of
@@ -101,7 +101,7 @@ def carry_out(chosen: argparse.Namespace, rows: list[Row]) -> None:
         prepare(chosen.data, folder / "parts", row, tuple(chosen.parts))
         command = [PROGRAM, "bench", folder / "parts", "--out", folder / "bench", "--quiet"]
         command += ["--methods", ",".join(chosen.methods), "--seeds", str(chosen.seeds)]
-        command += ["--parts", ",".join(chosen.parts)]
+        command += ["--parts", ",".join(chosen.parts), "--jobs", str(chosen.jobs)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         pack(chosen.out, ARCHIVE)
 
@@ -171,6 +171,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--rows", nargs="+", default=[row.name for row in ROWS], metavar="ROW")
     parser.add_argument("--methods", nargs="+", default=list(METHODS), metavar="METHOD")
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1, help="fits side by side")
     parser.add_argument("--table", action="store_true", help="write the table of what there is")
     return parser.parse_args()
 
