@@ -18,8 +18,8 @@ help: ## show this list
 install: $(INSTALLED) ## the command, in .venv
 	@echo "ready: $(BIN)/weingarten --help"
 
-extras: $(INSTALLED) ## what the verbs bench, report and reproduce need beside it
-	@$(PIP) -e ".[bench,report]"
+extras: $(INSTALLED) ## what bench, report, reproduce and --simplify need beside it
+	@$(PIP) -e ".[bench,report,simplify]"
 
 demo: $(INSTALLED) ## points of a bundled flange to a mesh, a picture and its errors, in demo/
 	@mkdir -p demo && rm -rf demo/run

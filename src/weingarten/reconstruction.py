@@ -28,6 +28,7 @@ from weingarten.start import Start
 from weingarten.summary import Summary, borne_out, summarise
 from weingarten.surface.cloud_planes import cloud_planes
 from weingarten.surface.contour import extraction
+from weingarten.surface.decimation import Decimation, decimated, required
 from weingarten.surface.marching_cubes import marching_cubes
 from weingarten.surface.outer_faces import within_outer_faces
 from weingarten.surface.repair import drop_ghosts
@@ -109,9 +110,12 @@ def reconstruct(
 
     Raises CloudError for points that hold no part, CheckpointError for a run folder of another fit, BusyError
     for one that another process writes, OutputError where it cannot be written, DeviceError, ExtractionError
-    when the field has no surface, FitError when the loss is not finite.
+    when the field has no surface, FitError when the loss is not finite, MissingExtraError where fewer
+    triangles are asked for without the extra `simplify`.
     """
     settings = settings or resolve()
+    if settings.simplify > 0.0:
+        required()
     observer = observer or Observer()
     clock = Clock(observer)
     target = chosen_device(device)
@@ -239,6 +243,9 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
         mesh = within_outer_faces(mesh, unit)
     if settings.trim > 0.0:
         mesh = trimmed(mesh, unit, settings.trim / origin.frame.scale)
+    if settings.simplify > 0.0:
+        fewer = decimated(mesh, settings.simplify / origin.frame.scale)
+        notes, mesh = (*notes, stand_in_note(mesh, fewer, origin)), fewer.mesh
     return mesh, notes
 
 
@@ -253,6 +260,15 @@ def fineness_notes(origin: Origin) -> tuple[str, ...]:
     )
 
 
+def stand_in_note(whole: Mesh, fewer: Decimation, origin: Origin) -> str:
+    """What the user should know of fewer triangles."""
+    if fewer.mesh is whole:
+        return "No fewer triangles are as closed, with as many pieces and handles; all of them were kept."
+    stand = f"{len(fewer.mesh.faces):,} triangles stand for {len(whole.faces):,}"
+    within, most = origin.settings.simplify, fewer.farthest * origin.frame.scale
+    return f"{stand}, within {within:g} of them at 999 of 1,000 places and {most:.2g} at most."
+
+
 def remesh(
     found: Checkpoint,
     points: Points,
@@ -260,10 +276,13 @@ def remesh(
     resolution: int | None = None,
     sharp: bool | None = None,
     trim: float | None = None,
+    simplify: float | None = None,
 ) -> tuple[Mesh, tuple[str, ...]]:
     """The surface of a checkpoint's field, world frame, and notes.
 
-    points: of its run, world units. resolution, sharp, trim: those of its settings unless given.
+    points: of its run, world units. resolution, sharp, trim, simplify: those of its settings unless given.
+
+    Raises MissingExtraError where fewer triangles are asked for without the extra `simplify`.
     """
     THREADS.join()
     field, frame, settings = WorldField.of(found, device), found.origin.frame, found.origin.settings
@@ -272,7 +291,10 @@ def remesh(
         resolution=settings.resolution if resolution is None else resolution,
         sharp=settings.sharp if sharp is None else sharp,
         trim=settings.trim if trim is None else trim,
+        simplify=settings.simplify if simplify is None else simplify,
     )
+    if settings.simplify > 0.0:
+        required()
     given = frame.to_unit(thinned(points, settings.seed))
     unit = settings.resolved_method().preparation.settle(given).points
     mesh, notes = surface(field.module, replace(found.origin, settings=settings), unit, crew_for(device))

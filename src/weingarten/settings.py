@@ -30,7 +30,8 @@ class Settings:
     resolution: cells along the longest side, or up to twice as many where walls and gaps are thin
     (`weingarten.surface.fineness`). sharp: whether vertices are put on sharp edges, and within the
     flat faces that bound the cloud. trim: distance from the points beyond which surface is left out, in the
-    cloud's unit; 0 leaves out none.
+    cloud's unit; 0 leaves out none. simplify: how far the surface may move so that it needs fewer triangles
+    (`weingarten.surface.decimation`), in the cloud's unit; 0 keeps all triangles.
     """
 
     preset: str
@@ -53,6 +54,7 @@ class Settings:
     resolution: int
     sharp: bool
     trim: float
+    simplify: float
 
     def resolved_method(self) -> Method:
         """The method's row with this fit's schedule and stencil."""
@@ -120,6 +122,7 @@ STANDARD = Settings(
     resolution=256,
     sharp=True,
     trim=0.0,
+    simplify=0.0,
 )
 FINE = replace(STANDARD, preset="fine", steps=1500, points=2000, width=256, resolution=512)
 PAPER = replace(
@@ -154,6 +157,7 @@ def resolve(
     resolution: int | None = None,
     sharp: bool | None = None,
     trim: float | None = None,
+    simplify: float | None = None,
     rate: float | None = None,
 ) -> Settings:
     """Settings from a preset's name and what is to differ from it.
@@ -164,6 +168,7 @@ def resolve(
     stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.
     sharp: vertices on sharp edges, or marching cubes, which cuts them off.
     trim: leave out surface farther than this from all points, in the cloud's unit; the mesh is open then.
+    simplify: let the surface move by so much, in the cloud's unit, for fewer triangles (extra `simplify`).
     rate: the learning rate at its greatest; by default the method's with the preset's optimiser, or the
     preset's.
     Raises OptionError for an unknown name or a value out of range.
@@ -185,7 +190,8 @@ def resolve(
         points=base.points if points is None else points,
         resolution=base.resolution if resolution is None else resolution,
         sharp=base.sharp if sharp is None else sharp,
-        trim=base.trim if trim is None else check_trim(trim),
+        trim=base.trim if trim is None else check_length("--trim-distance", trim),
+        simplify=base.simplify if simplify is None else check_length("--simplify", simplify),
     )
     settings.check()
     return settings
@@ -210,11 +216,11 @@ def plain(value: object, kind: type) -> object:
     return value
 
 
-def check_trim(distance: float) -> float:
-    """The distance. Raises OptionError unless it is positive and finite."""
-    if not 0.0 < distance < math.inf:
-        raise OptionError(f"--trim-distance must be a positive number; got {distance:g}.")
-    return distance
+def check_length(name: str, length: float) -> float:
+    """The length. Raises OptionError unless it is finite and not negative."""
+    if not 0.0 <= length < math.inf:
+        raise OptionError(f"{name} must be a positive number, or 0 for none; got {length:g}.")
+    return length
 
 
 def check_range(name: str, value: int, least: int, most: int) -> None:

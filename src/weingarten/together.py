@@ -20,6 +20,7 @@ from weingarten.scan.interleaved import Interleaved
 from weingarten.schedules.weight import Adapted
 from weingarten.settings import Settings, resolve
 from weingarten.start import Start, loop_of
+from weingarten.surface.decimation import required
 
 Points = Float64[np.ndarray, "_ 3"]
 Answer = TypeVar("Answer")
@@ -42,11 +43,13 @@ def reconstruct_many(
 
     The answers are in the order of the clouds. Where a cloud holds no part, a fit's loss is not finite or a
     field has no surface, the CloudError, FitError or ExtractionError that says so is the answer, and the
-    others go on. Raises DeviceError, and OptionError for a method whose fields cannot be laid side by side or
-    whose weights follow one fit.
+    others go on. Raises DeviceError, MissingExtraError as `weingarten.reconstruct`, and OptionError for a
+    method whose fields cannot be laid side by side or whose weights follow one fit.
     """
     settings, observer, target = settings or resolve(), observer or Observer(), chosen_device(device)
     check_joint(settings)
+    if settings.simplify > 0.0:
+        required()
     THREADS.join()
     clocks = [Clock(observer) for _ in clouds]
     errors: Errors = {}

@@ -20,6 +20,7 @@ from weingarten.fit.history import steps_kept
 from weingarten.io.cloud_file import write_cloud
 from weingarten.io.mesh import read_mesh
 from weingarten.io.points import read_points
+from weingarten.metrics.distance import closest
 from weingarten.metrics.topology import topology
 from weingarten.samples.parts import sample_part
 
@@ -155,6 +156,25 @@ def test_surface_far_from_the_points_is_left_out_on_demand(finished, cloud, tmp_
     again = read_mesh(tmp_path / "fitted.stl")
     assert len(again.faces) == len(part.faces)
     np.testing.assert_allclose(again.bounds, part.bounds, atol=1e-5 * size)
+
+
+def test_triangles_are_fewer_on_demand(tmp_path):
+    ball = np.random.default_rng(0).normal(size=(2000, 3))
+    write_cloud(tmp_path / "ball.ply", 50.0 * ball / np.linalg.norm(ball, axis=1, keepdims=True))
+    length = 1.0
+    words = [tmp_path / "ball.ply", "-o", tmp_path / "few.stl", "--run", tmp_path / "run", "--steps", 200]
+    words += ["--points-per-step", 400, "--resolution", 32]
+    code, _, err = run("fit", *words, "--simplify", length)
+    assert code == 0, err
+    assert run("mesh", tmp_path / "run", "-o", tmp_path / "whole.stl", "--simplify", 0)[0] == 0
+    whole, few = read_mesh(tmp_path / "whole.stl"), read_mesh(tmp_path / "few.stl")
+    assert f"{len(few.faces):,} triangles stand for {len(whole.faces):,}" in err
+    assert len(few.faces) < 0.2 * len(whole.faces)
+    assert topology(few).genus == topology(whole).genus
+    assert np.quantile(closest(few, whole.vertices).distance, 0.999) < 1.001 * length
+    code, _, err = run("mesh", tmp_path / "run", "-o", tmp_path / "none.stl", "--simplify", "-1")
+    assert (code, "--simplify must be" in err, "Traceback" in err) == (2, True, False)
+    assert not (tmp_path / "none.stl").exists()
 
 
 @pytest.mark.parametrize("method", ["digs", "hash-grid"])

@@ -6,7 +6,7 @@ import trimesh
 
 from weingarten.errors import InputError
 from weingarten.mesh import Mesh
-from weingarten.metrics.distance import closest, cut, inside
+from weingarten.metrics.distance import Nearby, closest, cut, inside
 
 
 def as_mesh(shape: trimesh.Trimesh) -> Mesh:
@@ -72,6 +72,11 @@ def test_faces_without_area_and_unused_vertices_count_for_nothing():
 def test_no_surface_is_an_error(faces: np.ndarray):
     with pytest.raises(InputError, match="no surface"):
         closest(Mesh(np.eye(3), faces), np.zeros((1, 3)))
+
+
+def test_no_points_are_near_nothing():
+    found = Nearby(as_mesh(trimesh.creation.box((1, 1, 1)))).closest(np.zeros((0, 3)))
+    assert (len(found.distance), len(found.face), found.position.shape) == (0, 0, (0, 3))
 
 
 @pytest.mark.parametrize("winding", [1, -1])

@@ -82,3 +82,18 @@ def test_no_pairs(count):
 def test_faces_without_extent():
     mesh = Mesh(np.zeros((3, 3)), np.array([[0, 1, 2], [0, 1, 2]]))
     assert not self_intersecting(mesh).any()
+
+
+def test_a_large_face_among_small_ones_costs_little():
+    """Across the whole of 8,000 small ones, aslant: in cells of their size it would reach into millions."""
+    random = np.random.default_rng(0)
+    corners = 1000 * random.random((8000, 1, 3)) + 0.1 * random.standard_normal((8000, 3, 3))
+    wide = np.array([[[-1, -1, -1], [1001, 1001, 999], [1001, -1, 1001]]], dtype=float)
+    soup = Mesh(np.concatenate([corners, wide]).reshape(-1, 3), np.arange(3 * 8001).reshape(-1, 3))
+    found = self_intersecting(soup)
+    pairs = [
+        by_all_pairs(Mesh(soup.vertices[[*range(3 * i, 3 * i + 3), -3, -2, -1]], np.arange(6).reshape(2, 3)))
+        for i in range(8000)
+    ]
+    np.testing.assert_array_equal(found[:-1], [pair[0] for pair in pairs])
+    assert found[-1] == any(pair[0] for pair in pairs)

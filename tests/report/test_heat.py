@@ -5,9 +5,9 @@ import pytest
 import trimesh
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.distance import Nearby
 from weingarten.report.camera import Camera
 from weingarten.report.heat import ANCHORS, Scale, colour_map, scale_for, seen_distances
-from weingarten.report.nearest import Nearest
 from weingarten.report.panel import seen
 
 BOX = trimesh.creation.box((1, 1, 1))
@@ -57,7 +57,7 @@ def test_distances_of_what_is_seen_of_a_shifted_box():
     """Moved up by ¼, the top is ¼ from the truth and the sides are 0 to ¼."""
     moved = Mesh(MESH.vertices + np.array([0, 0, 0.25]), MESH.faces)
     panel = seen(moved, Camera.around(MESH.vertices, 80))
-    distance = seen_distances(panel, Nearest(MESH))
+    distance = seen_distances(panel, Nearby(MESH))
     height = panel.positions[:, 2] - 0.5
     assert len(distance) == len(panel.face) == panel.seen.sum()
     coarse = 2.5 / panel.camera.scale  # one place stands for its block
@@ -68,4 +68,4 @@ def test_distances_of_what_is_seen_of_a_shifted_box():
 def test_nothing_seen_has_no_distances():
     camera = Camera.around(MESH.vertices, 20)
     away = seen(Mesh(MESH.vertices + 1e3, MESH.faces), camera)
-    assert seen_distances(away, Nearest(MESH)).shape == (0,)
+    assert seen_distances(away, Nearby(MESH)).shape == (0,)

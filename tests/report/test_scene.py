@@ -12,7 +12,6 @@ from weingarten.mesh import Mesh
 from weingarten.metrics.distance import closest
 from weingarten.metrics.topology import topology
 from weingarten.metrics.unit_cube import cube_frame
-from weingarten.report.nearest import Nearest
 from weingarten.report.refine import refined
 from weingarten.report.scene import Scene, packed, scene, slim, triangles_each, uncoloured
 from weingarten.report.simplify import simplified
@@ -118,15 +117,6 @@ def test_slim_meshes_use_every_vertex_in_order_and_keep_its_levels():
     assert (np.diff(first) > 0).all()
     assert len(first) == len(small.vertices)
     assert np.abs(found.levels[:, 0] - (100 + 20 * small.vertices[:, 2])).max() <= 0.5
-
-
-def test_the_nearest_places_are_those_of_the_protocols():
-    points = np.random.default_rng(0).normal(0, 2, (500, 3))
-    for mesh, shift in ((TORUS, 0.0), (Mesh(TORUS.vertices + 1e6, TORUS.faces), 1e6)):
-        found, nearest = closest(mesh, points + shift), Nearest(mesh)
-        assert nearest.distance(points + shift) == pytest.approx(found.distance, abs=1e-9)
-        assert np.abs(nearest.place(points + shift) - found.position).max() < 1e-8
-    assert Nearest(TORUS).distance(np.zeros((0, 3))).shape == (0,)
 
 
 def test_many_scenes_are_small():

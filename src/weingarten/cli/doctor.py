@@ -12,6 +12,7 @@ EXTRAS = {
     "bench": ("gpytoolbox",),
     "ray": ("ray",),
     "report": ("jinja2", "matplotlib", "fast_simplification"),
+    "simplify": ("fast_simplification",),
 }
 """Optional parts and the modules they need."""
 

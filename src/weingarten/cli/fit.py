@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from weingarten.cli import fit_folder
 from weingarten.cli.importing import importing
-from weingarten.cli.mesh import TRIM_HELP
+from weingarten.cli.mesh import SIMPLIFY_HELP, TRIM_HELP
 from weingarten.cli.switch import SWITCH
 from weingarten.errors import OptionError, OutputError
 
@@ -52,6 +52,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
     verb.add_argument("--points-per-step", type=int, metavar="N", help="of each kind (default: preset's)")
     verb.add_argument("--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: preset's)")
     verb.add_argument("--trim-distance", type=float, metavar="D", help=TRIM_HELP)
+    verb.add_argument("--simplify", type=float, metavar="D", help=SIMPLIFY_HELP)
     verb.add_argument(
         "--resolution",
         type=int,
@@ -178,6 +179,7 @@ def settings_of(arguments: argparse.Namespace) -> "Settings":
         resolution=arguments.resolution,
         sharp=SWITCH.get(arguments.sharp),
         trim=arguments.trim_distance,
+        simplify=arguments.simplify,
         rate=arguments.rate,
     )
 
@@ -273,6 +275,7 @@ def repeated(arguments: argparse.Namespace) -> list[str]:
         "resolution",
         "sharp",
         "trim_distance",
+        "simplify",
         "seed",
         "oracle",
         "device",

@@ -9,6 +9,7 @@ from weingarten.cli.importing import importing
 from weingarten.cli.switch import SWITCH
 
 TRIM_HELP = "leave out surface farther than this from all points, in the cloud's unit; the mesh is open then"
+SIMPLIFY_HELP = "fewer triangles: let the surface move by D, in the cloud's unit (extra simplify)"
 EXAMPLE = "example: weingarten mesh part.run -o part-fine.stl --resolution 512"
 
 
@@ -33,6 +34,7 @@ def add(verbs, formatter: type[argparse.HelpFormatter]) -> None:
         "--sharp", choices=SWITCH, help="vertices on sharp edges or not (default: as in the fit)"
     )
     verb.add_argument("--trim-distance", type=float, metavar="D", help=TRIM_HELP)
+    verb.add_argument("--simplify", type=float, metavar="D", help=SIMPLIFY_HELP)
     verb.add_argument("--device", default="auto", metavar="NAME", help="auto, cpu, cuda or mps")
     verb.add_argument("--json", action="store_true", help="one JSON object on the standard output")
     verb.set_defaults(run=run)
@@ -46,16 +48,17 @@ def run(arguments: argparse.Namespace) -> int:
         from weingarten.fit.run_folder import opened
         from weingarten.io.mesh import check_mesh_path, write_mesh
         from weingarten.reconstruction import remesh
-        from weingarten.settings import check_range, check_trim
+        from weingarten.settings import check_length, check_range
 
     if arguments.resolution is not None:
         check_range("--resolution", arguments.resolution, 8, 4096)
-    trim = None if arguments.trim_distance is None else check_trim(arguments.trim_distance)
+    lengths = {"--trim-distance": arguments.trim_distance, "--simplify": arguments.simplify}
+    trim, simplify = (None if given is None else check_length(name, given) for name, given in lengths.items())
     check_mesh_path(arguments.output)
     keep_freed_memory()
     found, points = opened(arguments.folder)
     device, sharp = chosen_device(arguments.device), SWITCH.get(arguments.sharp)
-    mesh, notes = remesh(found, points, device, arguments.resolution, sharp, trim)
+    mesh, notes = remesh(found, points, device, arguments.resolution, sharp, trim, simplify)
     notes += write_mesh(arguments.output, mesh)
     for note in notes:
         sys.stderr.write(f"Note: {note}\n")

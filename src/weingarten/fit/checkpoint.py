@@ -25,8 +25,8 @@ from weingarten.io.reading import reading
 from weingarten.settings import Settings
 from weingarten.surface.fineness import cells_along
 
-FORMAT = "weingarten-7"
-EXTRACTION = ("resolution", "sharp", "trim")
+FORMAT = "weingarten-8"
+EXTRACTION = ("resolution", "sharp", "trim", "simplify")
 """Settings that a fit may be resumed with otherwise: they are of its surface, not of its field."""
 
 FARTHEST = 2.0

@@ -26,30 +26,44 @@ class Closest:
     position: Points
 
 
-def closest(mesh: Mesh, points: Points) -> Closest:
-    """min over triangles T of ‖p − q‖, q ∈ T, for every point p, in the frame of both.
+class Nearby:
+    """The faces of a mesh in a tree (libigl's AABB), for questions about what is nearest.
 
-    The tree (libigl's AABB) sees coordinates centred on the mesh's box and divided by its longest side:
-    neither an offset of 1e6 nor a size of 1e-5 costs digits beyond those of the input. Faces without area
-    are left out, for they have no normal; every point of them lies on a neighbour in a closed mesh.
+    It sees coordinates centred on the mesh's box and divided by its longest side: neither an offset of 1e6
+    nor a size of 1e-5 costs digits beyond those of the input. Faces without area are left out, for they have
+    no normal; every point of them lies on a neighbour in a closed mesh.
 
     Raises InputError when no face has an area.
     """
-    solid = np.flatnonzero(mesh.areas > 0)
-    if not len(solid):
-        raise InputError("The mesh has no surface to measure to: it has no faces, or none with an area.")
-    used, faces = np.unique(mesh.faces[solid], return_inverse=True)
-    vertices = mesh.vertices[used]
-    lowest, highest = vertices.min(axis=0), vertices.max(axis=0)
-    centre, scale = (lowest + highest) / 2, float((highest - lowest).max())
-    queries = (points - centre) / scale
-    _, nearest, position = igl.point_mesh_squared_distance(
-        np.ascontiguousarray(queries),
-        np.ascontiguousarray((vertices - centre) / scale),
-        np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int64),
-    )
-    distance = np.linalg.norm(queries - position, axis=1) * scale
-    return Closest(distance, solid[np.asarray(nearest)], np.asarray(position) * scale + centre)
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.solid = np.flatnonzero(mesh.areas > 0)
+        if not len(self.solid):
+            raise InputError("The mesh has no surface to measure to: it has no faces, or none with an area.")
+        used, faces = np.unique(mesh.faces[self.solid], return_inverse=True)
+        vertices = mesh.vertices[used]
+        lowest, highest = vertices.min(axis=0), vertices.max(axis=0)
+        self.centre, self.scale = (lowest + highest) / 2, float((highest - lowest).max())
+        self.vertices = np.ascontiguousarray((vertices - self.centre) / self.scale)
+        self.faces = np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int64)
+        self.tree = igl.AABB()
+        self.tree.init(self.vertices, self.faces)
+
+    def closest(self, points: Points) -> Closest:
+        """min over triangles T of ‖p − q‖, q ∈ T, for every point p, in the frame of both."""
+        if not len(points):
+            return Closest(np.empty(0), np.empty(0, dtype=np.int64), points)
+        queries = np.ascontiguousarray((points - self.centre) / self.scale)
+        _, nearest, places = self.tree.squared_distance(self.vertices, self.faces, queries)
+        position = np.asarray(places).reshape(-1, 3)
+        distance = np.linalg.norm(queries - position, axis=1) * self.scale
+        face = self.solid[np.asarray(nearest).reshape(-1)]
+        return Closest(distance, face, position * self.scale + self.centre)
+
+
+def closest(mesh: Mesh, points: Points) -> Closest:
+    """Of every point of one mesh's frame; see Nearby."""
+    return Nearby(mesh).closest(points)
 
 
 def inside(mesh: Mesh, points: Points) -> Bool[np.ndarray, " n"]:

@@ -18,6 +18,13 @@ from weingarten.metrics.face_pairs import mark, reached
 MOST_CELLS = 400
 """Along the longest side of the mesh."""
 
+MOST_ENTRIES = 64
+"""Cells that a face reaches into, on average: where it would be more, large faces are among small ones, and
+the cells are made larger."""
+
+GROWTH = 1.5
+"""By how much, at a time. Nothing reaches into more than eight cells in the end."""
+
 
 def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     """Which faces pass through another, in any frame. Corners are compared by their indices."""
@@ -30,10 +37,14 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     cell = max(float(2.0 * np.median(extent)), float(highest.max()) / MOST_CELLS)
     if not cell > 0.0:
         return found
-    first, last = (lowest / cell).astype(np.int64), (highest / cell).astype(np.int64)
+    while True:
+        first, last = (lowest / cell).astype(np.int64), (highest / cell).astype(np.int64)
+        entries = int((last - first + 1).prod(axis=1).sum())
+        if entries <= MOST_ENTRIES * len(found):
+            break
+        cell *= GROWTH
     side = int(last.max()) + 1
-    counts = (last - first + 1).prod(axis=1)
-    keys, owners = reached(first, last, side, int(counts.sum()))
+    keys, owners = reached(first, last, side, entries)
     order = np.argsort(keys, kind="stable")
     mark(corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
     return found

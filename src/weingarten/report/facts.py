@@ -29,6 +29,7 @@ LABELS = {
     "stencil": "stencil, t : h",
     "sharp": "sharp edges",
     "trim": "greatest distance from the points",
+    "simplify": "moved for fewer triangles",
     "rate": "learning rate",
     "decay": "decay of the rate",
     "ramp": "points, first and last step",

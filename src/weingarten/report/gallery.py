@@ -10,12 +10,12 @@ from weingarten.bench.results import Result
 from weingarten.bench.store import Store
 from weingarten.frame import Frame
 from weingarten.mesh import Mesh
+from weingarten.metrics.distance import Nearby
 from weingarten.metrics.unit_cube import cube_frame
 from weingarten.report import scene as packing
 from weingarten.report.camera import SUPERSAMPLING, Camera
 from weingarten.report.heat import Distances, Scale, scale_for, seen_distances
 from weingarten.report.image import data_uri, small
-from weingarten.report.nearest import Nearest
 from weingarten.report.panel import Panel, cut_out, seen
 from weingarten.report.refine import Levels, Points
 from weingarten.report.scene import Scene
@@ -108,7 +108,7 @@ class Drawn:
 
     mesh: Mesh
     panel: Panel
-    nearest: Nearest
+    nearest: Nearby
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def part_view(
 
 def drawn_mesh(mesh: Mesh, stage: Stage) -> Drawn:
     """A mesh from the part's camera."""
-    return Drawn(mesh, seen(mesh, stage.camera), Nearest(mesh))
+    return Drawn(mesh, seen(mesh, stage.camera), Nearby(mesh))
 
 
 def beside(own: Drawn, front: Drawn) -> Compared:
@@ -189,7 +189,8 @@ def with_truth(
 
     def missed_at(points: Points) -> Levels:
         return np.stack(
-            [*(scale.places(tree.distance(points)) for tree in trees)] or [np.zeros(len(points))], axis=1
+            [*(scale.places(tree.closest(points).distance) for tree in trees)] or [np.zeros(len(points))],
+            axis=1,
         )
 
     most = int(packing.TRUTHS_SHARE * stage.triangles)
@@ -211,7 +212,7 @@ def pictured(one: Compared, front: Drawn, scale: Scale, stage: Stage) -> Changes
     """The pictures and the scene of a contender's mesh; colours are those of the whole mesh's places."""
 
     def error_at(points: Points) -> Levels:
-        return scale.places(front.nearest.distance(one.own.nearest.place(points)))[:, None]
+        return scale.places(front.nearest.closest(one.own.nearest.closest(points).position).distance)[:, None]
 
     slim = packing.slim(one.own.mesh, stage.triangles, packing.SHAPE, error_at)
     return {

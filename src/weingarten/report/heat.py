@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64, UInt8
 
+from weingarten.metrics.distance import Nearby
 from weingarten.report.camera import SUPERSAMPLING
-from weingarten.report.nearest import Nearest
 from weingarten.report.panel import Panel
 
 Distances = Float64[np.ndarray, " _"]
@@ -92,13 +92,13 @@ def rounded_up(value: float) -> float:
     return float(f"{nice * decade:.6g}")
 
 
-def seen_distances(panel: Panel, other: Nearest) -> Distances:
+def seen_distances(panel: Panel, other: Nearby) -> Distances:
     """Distance of every seen place to the triangles of another mesh, in their unit.
 
     One place is measured in every block of supersampled pixels and stands for the block.
     """
     places, which = seen_places(panel)
-    return other.distance(places)[which]
+    return other.closest(places).distance[which]
 
 
 def seen_places(panel: Panel) -> tuple[Float64[np.ndarray, "m 3"], Int64[np.ndarray, " n"]]:

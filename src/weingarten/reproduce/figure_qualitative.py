@@ -18,10 +18,10 @@ from weingarten.bench.metric import EXACT_METRICS
 from weingarten.bench.parts import Part
 from weingarten.bench.store import Entry, Store
 from weingarten.errors import InputError, OptionError
+from weingarten.metrics.distance import Nearby
 from weingarten.metrics.unit_cube import unit_cube
 from weingarten.report.camera import Camera
 from weingarten.report.heat import Distances, Scale, scale_for, seen_distances
-from weingarten.report.nearest import Nearest
 from weingarten.report.panel import Panel, cut_out, seen
 from weingarten.reproduce import style
 
@@ -104,7 +104,7 @@ def judged_row(store: Store, part: Part, names: Sequence[str], seed: int, panel:
     """A part's truth and its meshes, all in the truth's unit cube."""
     truth = part.mesh()
     cube = unit_cube(truth, truth)
-    camera, nearest = Camera.around(cube.corners.reshape(-1, 3), panel), Nearest(cube)
+    camera, nearest = Camera.around(cube.corners.reshape(-1, 3), panel), Nearby(cube)
 
     def judged(entry: Entry) -> Judged | None:
         if not entry.mesh_path.exists():
