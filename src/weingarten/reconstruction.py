@@ -19,6 +19,7 @@ from weingarten.fit.estimate import estimate
 from weingarten.fit.loop import Loop, Record, run
 from weingarten.fit.run_folder import Keeper, NoFolder, RunFolder
 from weingarten.mesh import Mesh
+from weingarten.metrics.topology import topology
 from weingarten.observer import Observer
 from weingarten.oracle import Oracle
 from weingarten.scan.noise import noise_level
@@ -27,14 +28,17 @@ from weingarten.settings import Settings, resolve
 from weingarten.start import Start
 from weingarten.summary import Summary, borne_out, summarise
 from weingarten.surface.cloud_planes import cloud_planes
-from weingarten.surface.contour import extraction
+from weingarten.surface.contour import Extraction, extraction
 from weingarten.surface.decimation import Decimation, decimated, required
+from weingarten.surface.handles import reach_of, without_handles
+from weingarten.surface.lattice import Lattice
 from weingarten.surface.marching_cubes import marching_cubes
+from weingarten.surface.octree import Values
 from weingarten.surface.outer_faces import within_outer_faces
 from weingarten.surface.repair import drop_ghosts
 from weingarten.surface.sharp_contour import SharpContour
 from weingarten.surface.trim import trimmed
-from weingarten.surface.values import BATCH, field_planes, field_values
+from weingarten.surface.values import BATCH, field_jets, field_planes, field_values
 from weingarten.world_field import WorldField
 
 Points = Float64[np.ndarray, "n 3"]
@@ -233,13 +237,23 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     planes = field_planes(module, crew)
     mesher = SharpContour(planes, cloud_planes(unit, planes)) if settings.sharp else marching_cubes
-    found = extraction(values, lower, upper, origin.cells, BATCH, crew, mesher)
+
+    def made(values: Values) -> Extraction:
+        return extraction(values, lower, upper, origin.cells, BATCH, crew, mesher)
+
+    def remade(values: Values) -> Mesh:
+        return drop_ghosts(made(values).mesh, unit)
+
+    found = made(values)
     mesh = drop_ghosts(found.mesh, unit)
     notes = (*fineness_notes(origin), *found.notes)
     if len(mesh.faces) < len(found.mesh.faces):
         dropped = len(found.mesh.faces) - len(mesh.faces)
         notes = (*notes, f"{dropped:,} faces that no points support were removed as ghosts.")
     if settings.sharp:
+        whole, reach, jets = mesh, reach_of(unit, origin.apart), field_jets(module, crew)
+        mesh = without_handles(whole, remade, values, jets, reach, Lattice.over(lower, upper, origin.cells))
+        notes = (*notes, *handle_notes(whole, mesh, 2.0 * reach * origin.frame.scale))
         mesh = within_outer_faces(mesh, unit)
     if settings.trim > 0.0:
         mesh = trimmed(mesh, unit, settings.trim / origin.frame.scale)
@@ -247,6 +261,17 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
         fewer = decimated(mesh, settings.simplify / origin.frame.scale)
         notes, mesh = (*notes, stand_in_note(mesh, fewer, origin)), fewer.mesh
     return mesh, notes
+
+
+def handle_notes(mesh: Mesh, fewer: Mesh, width: float) -> tuple[str, ...]:
+    """What the user should know of handles that were closed."""
+    before, after = topology(mesh).genus, topology(fewer).genus
+    if before is None or after is None or before == after:
+        return ()
+    what = "hole or bridge" if before - after == 1 else "holes or bridges"
+    return (
+        f"{before - after} {what} narrower than {width:.2g}, of which the points say nothing, closed or cut.",
+    )
 
 
 def fineness_notes(origin: Origin) -> tuple[str, ...]:

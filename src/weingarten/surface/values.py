@@ -8,7 +8,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from weingarten.calculus.choice import exact
-from weingarten.calculus.jet import SMALLEST_NORM, TANGENT, VALUE
+from weingarten.calculus.jet import SMALLEST_NORM, TANGENT, VALUE, Jet
 from weingarten.crew import Crew
 from weingarten.surface.planes import Measure, Planes, Points
 from weingarten.terms.principal_curvature import principal_curvatures
@@ -34,6 +34,24 @@ def field_values(module: nn.Module, crew: Crew) -> Callable[[Float[Tensor, "n 3"
             return torch.cat(crew.map(piece_values, points.split(size)))
 
     return values
+
+
+def field_jets(module: nn.Module, crew: Crew) -> Callable[[Points, int], Jet]:
+    """The jets of a network at positions, float32, on the CPU; tangent frames are not turned."""
+    calculus = exact(module)
+    device = next(module.parameters()).device
+    size = PIECE if device.type == "cpu" else BATCH
+
+    def jets(points: Points, order: int) -> Jet:
+        def piece_jets(at: Float[Tensor, "n 3"]) -> tuple[Tensor, ...]:
+            return calculus(at.to(device), order, at.new_zeros(len(at)).to(device)).tensors
+
+        at = torch.from_numpy(points.astype(np.float32))
+        with torch.no_grad(), crew:
+            rows = crew.map(piece_jets, at.split(size))
+        return Jet(*(torch.cat(column).detach().cpu() for column in zip(*rows, strict=True)))
+
+    return jets
 
 
 def field_planes(module: nn.Module, crew: Crew) -> Measure:

@@ -68,7 +68,7 @@ def test_everything_that_was_promised_is_there(text: str):
         "<dt>95 % within</dt><dd>0.15 <small>u</small>",
         "<dt>worst point</dt><dd>+0.5 <small>u</small>",
         "off-diagonal Weingarten",
-        "preset: 750",
+        "preset: 800",
         "0.1.0 (0123abc)",
         "A machine, 2 cores",
         "To make it again",

@@ -90,7 +90,7 @@ def test_figures_have_units_and_absent_ones_are_left_out():
 def test_settings_that_differ_from_the_preset_come_first_and_say_how(finished: Run):
     rows = facts.settings(finished.settings)
     changed = {row.label: (row.text, row.usual) for row in rows if row.changed}
-    assert changed == {"steps": ("60", "750"), "seed": ("3", "0")}
+    assert changed == {"steps": ("60", "800"), "seed": ("3", "0")}
     assert [row.changed for row in rows[:3]] == [True, True, False]
     assert not any(row.changed for row in facts.settings({"preset": "of old", "steps": 5}))
 
