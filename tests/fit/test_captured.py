@@ -50,9 +50,11 @@ def assert_same_fit(plain, other):
         assert torch.equal(one, another)
 
 
-@pytest.mark.parametrize("method", SINES)
-@pytest.mark.parametrize("builder", [adam, muon])
-@pytest.mark.parametrize("double", [False, True])
+@pytest.mark.parametrize(
+    ("method", "builder", "double"),
+    [(method, *how) for method in SINES for how in ((adam, True), (muon, False))]
+    + [("odw", adam, False), ("odw", muon, True)],
+)
 def test_the_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed_draws, method, builder, double):
     loops = []
     for _ in range(2):
@@ -100,8 +102,7 @@ def test_the_oracle_sees_the_steps_that_it_asks_for():
     assert EVERY % READ_EVERY == 0
 
 
-@pytest.mark.parametrize("builder", [adam, muon])
-@pytest.mark.parametrize("members", [None, 3])
+@pytest.mark.parametrize(("builder", "members"), [(adam, None), (muon, 3)])
 @pytest.mark.parametrize("method", SINES)
 def test_no_step_asks_the_device_for_a_value(make_loop, builder, members, method):
     """On the meta device there is none: whatever needs one raises."""

@@ -27,7 +27,7 @@ assert spec.loader is not None
 reference = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(reference)
 
-STEPS = 200
+STEPS = 120
 LOOKED_AT = {"quintic": 1}
 """Every how many steps a float32 curve is compared: at all of the paper's schedule, every fifth of others."""
 STENCIL = {"odw-paper": None, "odw-paper-fd": 0.05}
@@ -69,7 +69,7 @@ def test_the_float32_loss_curve_is_the_references(make_loop, name):
 
     The machine code's stays below 2e-5 on one maker's processors and reaches 7e-5 on another's.
     """
-    loop = make_loop(scheduled("odw-paper", name), points=48)
+    loop = make_loop(scheduled("odw-paper", name), points=48, steps=STEPS)
     for step in range(STEPS):
         if step % LOOKED_AT.get(name, 5):
             loop.advance()
@@ -105,7 +105,7 @@ def test_the_float32_gradient_is_as_near_to_the_exact_one_as_the_references(make
 
 
 def test_the_float32_curve_follows_the_reference_until_rounding_has_grown(make_loop):
-    loop = make_loop(scheduled("odw-paper", "quintic"), width=32, points=64)
+    loop = make_loop(scheduled("odw-paper", "quintic"), width=32, points=64, steps=STEPS)
     expected = reference.curve(
         in_turn(loop.field), loop.draws, torch.Generator().manual_seed(1), "quintic", STEPS, 64
     )

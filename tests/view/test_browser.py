@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 sys.path.insert(0, str(Path(__file__).parent))
 from exhibits import Known, ball, mesh
@@ -141,7 +141,7 @@ def explored(page: Page, last: int) -> None:
 def test_a_run_is_explored(browser: Browser, run_folder: Path):
     with served(Exhibit(Run(run_folder), 6_000)) as address, shown(browser, address) as page:
         assert page.title() == "part.run – weingarten view"
-        assert "Fitted, 40 steps." in page.locator("#status").inner_text()
+        expect(page.locator("#status")).to_contain_text("Fitted, 40 steps.", timeout=120_000)
         explored(page, 40)
 
 

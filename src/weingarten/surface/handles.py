@@ -35,6 +35,10 @@ SPACING, APART, MOST = 0.5, 0.25, 0.005
 """Half a handle's width at most: in distances from a point to its nearest; in distances of two sheets that
 the points tell apart; in unit lengths."""
 
+MOST_STARTS, SAME = 4000, 0.25
+"""Narrow places at most, where there are more the field has no surface to speak of; reaches within which two
+critical points are one."""
+
 TURNED, SHARES = 0.6, np.array([0.25, 0.5, 0.75])
 """Another side is near where |f| twice the reach away from a vertex is less than TURNED times the greatest at
 one of these shares of the way."""
@@ -156,8 +160,8 @@ def simpler(mesh: Mesh, than: Mesh) -> bool:
 def saddles(mesh: Mesh, values: Values, jets: Jets, reach: float) -> Saddles:
     """Those with |f| below the reach, of tunnels and bridges that the mesh has, by Newton's method."""
     places = starts = narrow(mesh, values, reach)
-    if not len(starts):
-        return Saddles(starts, np.empty(0))
+    if not 0 < len(starts) <= MOST_STARTS:
+        return Saddles(np.empty((0, 3)), np.empty(0))
     for _ in range(STEPS):
         step = newton(places, jets)
         length = np.linalg.norm(step, axis=1, keepdims=True)
@@ -168,6 +172,8 @@ def saddles(mesh: Mesh, values: Values, jets: Jets, reach: float) -> Saddles:
     found &= np.linalg.norm(places - starts, axis=1) < FAR * reach
     found &= negative == np.where(value > 0.0, 2, 1)
     order = np.flatnonzero(found)[np.argsort(np.abs(value[found]), kind="stable")]
+    cubes = np.round(places[order] / (SAME * reach)).astype(np.int64)
+    order = order[np.sort(np.unique(cubes, axis=0, return_index=True)[1])]
     return Saddles(places[order], value[order])
 
 
