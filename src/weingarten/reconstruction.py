@@ -265,8 +265,10 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
 
 def handle_notes(mesh: Mesh, fewer: Mesh, width: float) -> tuple[str, ...]:
     """What the user should know of handles that were closed."""
+    if fewer is mesh:
+        return ()
     before, after = topology(mesh).genus, topology(fewer).genus
-    if before is None or after is None or before == after:
+    if before is None or after is None:
         return ()
     what = "hole or bridge" if before - after == 1 else "holes or bridges"
     return (
