@@ -8,7 +8,6 @@ The same points give the same mesh to the last bit: nothing is drawn at random, 
 thread.
 """
 
-import importlib
 import warnings
 from importlib.metadata import version
 from types import ModuleType
@@ -19,7 +18,8 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import KDTree
 
-from weingarten.errors import CloudError, FitError, MissingExtraError, OptionError
+from weingarten.errors import CloudError, FitError, OptionError
+from weingarten.extras import required
 from weingarten.frame import Frame
 from weingarten.mesh import Mesh
 from weingarten.metrics.topology import volume
@@ -166,12 +166,6 @@ def solver() -> str:
 
 def _gpytoolbox() -> ModuleType:
     """The library, whose import alone warns of what numpy and scipy will drop: nothing a user can mend."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return importlib.import_module("gpytoolbox")
-    except ImportError as error:
-        raise MissingExtraError(
-            "Screened Poisson reconstruction needs gpytoolbox; install it with: "
-            'pip install "weingarten[bench]"'
-        ) from error
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return required("gpytoolbox", "Screened Poisson reconstruction needs", "bench")

@@ -4,7 +4,6 @@ Every format comes back at the precision that its kind allows, at large offsets 
 see write_stl, write_ply, write_obj, write_glb and write_threemf for what each does about it.
 """
 
-import importlib
 from collections.abc import Callable
 from io import BytesIO
 from os import PathLike
@@ -14,7 +13,8 @@ import numpy as np
 from jaxtyping import Int64
 
 from weingarten.atomic import check_writable, replacing
-from weingarten.errors import MissingExtraError, OutputError
+from weingarten.errors import OutputError
+from weingarten.extras import required
 from weingarten.io.checked_glb import check_glb
 from weingarten.io.checked_threemf import check_threemf
 from weingarten.io.coincident import coincident
@@ -98,12 +98,7 @@ def _read_stl(path: Path) -> Mesh:
 
 def _read_3mf(path: Path) -> Mesh:
     for module in ("lxml", "networkx"):
-        try:
-            importlib.import_module(module)
-        except ImportError as error:
-            raise MissingExtraError(
-                f'Reading {path} needs {module}; install it with: pip install "weingarten[3mf]"'
-            ) from error
+        required(module, f"Reading {path} needs", "3mf")
     check_threemf(path)
     return _read_trimesh(path)
 

@@ -7,7 +7,6 @@ away.
 """
 
 import functools
-import importlib
 import os
 import socket
 from collections.abc import Callable, Iterable, Iterator
@@ -16,7 +15,8 @@ from importlib.metadata import version
 from typing import Any
 
 from weingarten.device import DEVICES
-from weingarten.errors import InputError, MissingExtraError, OptionError
+from weingarten.errors import InputError, OptionError
+from weingarten.extras import required
 from weingarten.many.job import FAILED, failure
 from weingarten.many.parcel import Files, Parcel, unpack
 from weingarten.many.runner import POLL, Batch, Watcher
@@ -54,7 +54,7 @@ class Ray:
     @contextmanager
     def working(self) -> Iterator[None]:
         """See Crowd. Raises MissingExtraError without Ray, OptionError where no cluster answers."""
-        self.ray = required()
+        self.ray = required("ray", "--ray needs", "ray")
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         cores = {"num_cpus": usable_cores(), "include_dashboard": False} if self.address == LOCAL else {}
         try:
@@ -172,14 +172,6 @@ def note_failure(batch: Batch, failed: dict[str, Any]) -> None:
     """Of all its jobs."""
     for job in batch:
         job.note_failure(failed)
-
-
-def required() -> Any:
-    """Ray. Raises MissingExtraError, which says how to install it."""
-    try:
-        return importlib.import_module("ray")
-    except ImportError as error:
-        raise MissingExtraError('--ray needs Ray; install it with: pip install "weingarten[ray]"') from error
 
 
 def first_line(error: Exception) -> str:

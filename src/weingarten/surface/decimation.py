@@ -6,7 +6,6 @@ planes and so bounds nothing: how far the surface moves is measured, both ways, 
 last is taken whose mesh is within the tolerance.
 """
 
-import importlib
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cache
@@ -15,7 +14,7 @@ from types import ModuleType
 import numpy as np
 from jaxtyping import Float64
 
-from weingarten.errors import MissingExtraError
+from weingarten import extras
 from weingarten.mesh import Mesh
 from weingarten.metrics.distance import Nearby, closest
 from weingarten.metrics.self_intersections import self_intersecting
@@ -119,9 +118,4 @@ def probes(mesh: Mesh) -> Float64[np.ndarray, "n 3"]:
 
 def required() -> ModuleType:
     """fast-simplification. Raises MissingExtraError, which says how to install it."""
-    try:
-        return importlib.import_module("fast_simplification")
-    except ImportError as error:
-        raise MissingExtraError(
-            'Fewer triangles need fast_simplification; install it with: pip install "weingarten[simplify]"'
-        ) from error
+    return extras.required("fast_simplification", "Fewer triangles need", "simplify")
