@@ -23,7 +23,6 @@ from weingarten.scan.doubts import doubts
 from weingarten.scan.draws import REACH, CloudDraws, Draws
 from weingarten.scan.generators import Generators
 from weingarten.scan.noise import noise_level
-from weingarten.scan.open_boundary import rims as open_rims
 from weingarten.scan.thinning import thinned, thinning_notes
 from weingarten.settings import Settings
 
@@ -87,7 +86,7 @@ class Start:
             generator = torch.Generator(device).manual_seed(settings.seed)
         said = (*diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
         noise = noise_level(given, tree if given is settled.points else KDTree(given))
-        rims = tuple(frame.to_world(rim) for rim in open_rims(settled.points))
+        rims = tuple(frame.to_world(settled.points[rim]) for rim in settled.rims)
         against = doubts(settled.noise, draws.known, rims, frame.scale)
         return cls(
             settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said, against

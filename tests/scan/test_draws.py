@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import torch
 from scipy.spatial import KDTree
+from trimesh.creation import box
+from trimesh.sample import sample_surface
 
 from weingarten.scan.draws import (
     POOL,
@@ -16,6 +18,7 @@ from weingarten.scan.draws import (
     uniform_in_box,
 )
 from weingarten.scan.free_space import FreeSpace
+from weingarten.scan.open_boundary import rims
 from weingarten.scan.oriented_draws import OrientedDraws
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
@@ -181,6 +184,29 @@ def test_oriented_draws_are_signed_draws_where_no_normal_is_known(cloud, tree):
     draws = OrientedDraws(sheet, open_tree, space, seeded())
     assert draws.normals.norm(dim=1).median() < 0.05
     assert len(draws.pool) <= POOL
+
+
+def test_oriented_draws_tell_what_lies_beyond_a_rim():
+    """A block of which a corner was not scanned is solid up to where its faces meet."""
+    upper = np.array([0.9, 0.7, 0.5])
+    points = np.asarray(sample_surface(box(2.0 * upper), 20_000, seed=0)[0], dtype=np.float64)
+    points = points[np.linalg.norm(points - upper, axis=1) > 0.4]
+    own = KDTree(points)
+    space = FreeSpace.of(points, own, REACH)
+    draws = OrientedDraws(points, own, space, seeded(), rims=rims(points))
+    pool, distance = draws.pool.double().numpy(), draws.distance.numpy()
+    assert len(pool) == len(distance) <= POOL
+    missing = (np.linalg.norm(pool - upper, axis=1) < 0.35) & (pool < upper - 0.03).all(axis=1)
+    told = distance[missing & ~np.isnan(distance)]
+    assert len(told) > 200
+    assert (told < 0.0).mean() > 0.95
+
+
+def test_without_rims_nothing_else_is_drawn(cloud, tree):
+    space = FreeSpace.of(cloud, tree, REACH)
+    plain, none = (OrientedDraws(cloud, tree, space, seeded(), rims=found) for found in ((), rims(cloud)))
+    assert rims(cloud) == ()
+    assert torch.equal(plain.pool, none.pool)
 
 
 def test_measured_draws_know_the_distance_to_the_cloud(cloud, tree):

@@ -87,3 +87,13 @@ def test_points_without_a_hull_bound_nothing_but_their_box():
     mesh = mesh_of(box((0.5, 0.5, 0.5)))
     assert np.abs(within_outer_faces(mesh, flat).vertices[:, 2]).max() == 0.0
     np.testing.assert_array_equal(within_outer_faces(mesh, flat[:5]).vertices, mesh.vertices)
+
+
+@pytest.mark.parametrize(("turn", "box_lacks"), [(np.eye(3), 1e-3), (TURN, 0.03)])
+def test_what_spans_a_hole_in_the_scan_is_no_face(turn, box_lacks):
+    truth = box((2.0, 1.0, 0.5))
+    points = sampled(truth, 20_000)
+    points = points[np.linalg.norm(points - [1.0, 0.5, 0.25], axis=1) > 0.4]
+    mesh = Mesh(0.999 * mesh_of(truth).vertices @ turn.T, mesh_of(truth).faces)
+    found = within_outer_faces(mesh, points @ turn.T)
+    np.testing.assert_allclose(found.vertices, mesh.vertices, atol=box_lacks)

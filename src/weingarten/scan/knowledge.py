@@ -38,7 +38,7 @@ def signs_and_normals(
     """Normals too, whose signs empty space tells, and signed distances near the points, by their normals."""
     space = FreeSpace.of(cloud.points, tree, REACH)
     planes = None if cloud.flat is None or cloud.normals is None else (cloud.normals, cloud.flat)
-    return OrientedDraws(cloud.points, tree, space, generator, planes), space.notes
+    return OrientedDraws(cloud.points, tree, space, generator, planes, cloud.rims), space.notes
 
 
 def unsigned_distances(

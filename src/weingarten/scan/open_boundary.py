@@ -32,15 +32,17 @@ MOST_POINTS = 50_000
 """Of more, so many are looked at, picked at random."""
 
 
-def rims(points: Points, seed: int = 0) -> tuple[Float64[np.ndarray, "_ 3"], ...]:
-    """The points on each rim of a cloud, in its own frame, the longest rim first."""
+def rims(points: Points, seed: int = 0) -> tuple[Int64[np.ndarray, " _"], ...]:
+    """Numbers of the points on each rim of a cloud, in any frame, the longest rim first."""
+    asked = np.arange(len(points))
     if len(points) > MOST_POINTS:
-        points = points[np.random.default_rng(seed).choice(len(points), MOST_POINTS, replace=False)]
+        asked = np.random.default_rng(seed).choice(len(points), MOST_POINTS, replace=False)
+        points = points[asked]
     if len(points) <= NEIGHBOURS:
         return ()
     near = np.asarray(KDTree(points).query(points, k=NEIGHBOURS + 1, workers=-1)[1])[:, 1:]
     chains = chained(on_rim(points, near), near)
-    return tuple(points[chain] for chain in chains if len(chain) >= LEAST)
+    return tuple(asked[chain] for chain in chains if len(chain) >= LEAST)
 
 
 def on_rim(points: Points, near: Int64[np.ndarray, "n k"]) -> Bool[np.ndarray, " n"]:

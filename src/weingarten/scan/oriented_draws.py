@@ -2,10 +2,11 @@
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float64
+from jaxtyping import Float, Float64, Int64
 from scipy.spatial import KDTree
 from torch import Tensor
 
+from weingarten.scan.continuation import Continuation
 from weingarten.scan.detail import detail
 from weingarten.scan.draws import POOL, REACH, SignedDraws, positions
 from weingarten.scan.free_space import FreeSpace
@@ -21,14 +22,23 @@ WITHIN, WIDTH = 0.3, 0.5
 HEAD_ON = 0.8
 """Least |cosine| between a normal that tells and the way to the point that is told."""
 
+SURE = 10
+"""Points of a rim at least from which anything goes on."""
+
+BEYOND, CLOSE = 0.1, 0.12
+"""Share of the pool that lies beyond rims, where the cloud has any; how far from the surface that goes on
+there, unit lengths."""
+
 
 class OrientedDraws(SignedDraws):
     """Signed draws that also know normals, outward and as long as they are to be trusted.
 
     Free space tells the normals' signs, and they tell signs where it is silent: WITHIN of the pool lie in the
     shell, about the cloud at N(0, (WIDTH τ)²), with the distance that the nearest point's normal gives.
+    Where the cloud ends, surfaces go on as they end (`weingarten.scan.continuation`), and that is believed
+    before free space that has leaked in.
 
-    planes: as in `weingarten.scan.orientation.orientation`.
+    planes: as in `weingarten.scan.orientation.orientation`. rims: numbers of the points where the cloud ends.
     """
 
     def __init__(
@@ -38,6 +48,7 @@ class OrientedDraws(SignedDraws):
         space: FreeSpace,
         generator: torch.Generator,
         planes: tuple[Points, Float64[np.ndarray, " n"]] | None = None,
+        rims: tuple[Int64[np.ndarray, " _"], ...] = (),
     ) -> None:
         super().__init__(points, tree, space, generator)
         told = self.nearest >= 0
@@ -50,6 +61,22 @@ class OrientedDraws(SignedDraws):
         kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(within)]
         self.pool = torch.cat([self.pool[kept], within])
         self.distance = torch.cat([self.distance[kept], distance])
+        onward = continuation(points, tree, found, rims)
+        if onward is not None:
+            self.go_on(onward, space.known_inside > 0.0, generator)
+
+    def go_on(self, onward: Continuation, closed: bool, generator: torch.Generator) -> None:
+        """Tell the pool what lies beyond rims: what free space does not, or nothing else where it leaks."""
+        told = torch.from_numpy(onward.told(positions(self.pool)).astype(np.float32))
+        silent = ~told.isnan() & self.distance.isnan() if closed else ~told.isnan()
+        self.distance = torch.where(silent, told, self.distance)
+        lower, upper = (torch.from_numpy(corner.astype(np.float32)) for corner in onward.box(CLOSE))
+        drawn = lower + (upper - lower) * torch.rand(POOL, 3, generator=generator)
+        distance = torch.from_numpy(onward.told(positions(drawn)).astype(np.float32))
+        chosen = (distance.abs() < CLOSE).nonzero()[:, 0][: int(BEYOND * POOL)]
+        kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(chosen)]
+        self.pool = torch.cat([self.pool[kept], drawn[chosen]])
+        self.distance = torch.cat([self.distance[kept], distance[chosen]])
 
     def within(
         self, tree: KDTree, found: Orientation, width: float, generator: torch.Generator
@@ -76,3 +103,13 @@ class OrientedDraws(SignedDraws):
     def surface(self, chosen: Tensor) -> Sample:
         """See CloudDraws."""
         return Sample(self.points[chosen], normals=self.normals[chosen], weight=self.weights(chosen))
+
+
+def continuation(
+    points: Points, tree: KDTree, found: Orientation, rims: tuple[Int64[np.ndarray, " _"], ...]
+) -> Continuation | None:
+    """Of the rims where normals are to be trusted; None where there are none."""
+    numbers = np.concatenate([np.empty(0, dtype=np.int64), *(rim for rim in rims if len(rim) >= SURE)])
+    trusted = numbers[found.trust[numbers] > TRUSTED]
+    normals = found.normals / np.maximum(found.trust, TRUSTED)[:, None]
+    return Continuation.of(points, tree, normals, trusted)

@@ -9,16 +9,18 @@ so nearly all of the way where all that is not flat is noise, and hardly at all 
 the first has to do with HALF of the noise that the round before had.
 """
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float64
+from jaxtyping import Float, Float64, Int64
 from scipy.spatial import KDTree
 from torch import Tensor
 
 from weingarten.scan.noise import Noise
 from weingarten.scan.normals import least_planes
+from weingarten.scan.open_boundary import rims
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -56,6 +58,11 @@ class Settled:
         left = (1.0 - self.flat) ** 2 + 4.0 * self.flat**2 / self.noise.neighbours
         weight = np.minimum(1.0, FULL_WEIGHT / (self.noise.level * np.sqrt(left)))
         return torch.from_numpy(weight.astype(np.float32))
+
+    @functools.cached_property
+    def rims(self) -> tuple[Int64[np.ndarray, " _"], ...]:
+        """Numbers of the points where the cloud ends, see `weingarten.scan.open_boundary.rims`."""
+        return rims(self.points)
 
 
 def settled(points: Points, noise: Noise) -> Settled:

@@ -6,12 +6,13 @@ cloud's convex hull. A vertex outside of such a facet's plane, or of the boundin
 
 Facets that differ by less than ALIKE count as one, of direction n. The plane is not at the outermost point,
 but beyond it by as much as the EIGHTH outermost is before it: not at all on a flat face, as far as chance
-lets the surface reach on a sphere, an edge or a tip, and by half a standard deviation, say, of noise.
+lets the surface reach on a sphere, an edge or a tip, and by half a standard deviation, say, of noise. What
+spans a hollow, or a hole in the scan, is no facet: none of the cloud is near its middle.
 """
 
 import numpy as np
-from jaxtyping import Float64
-from scipy.spatial import ConvexHull, QhullError
+from jaxtyping import Bool, Float64
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from weingarten.mesh import Mesh
 
@@ -23,8 +24,14 @@ ALIKE = 0.9994
 LEAST_AREA, MOST_FACES = 0.002, 64
 """Share of the hull's area that a face must have; how many are looked at, the largest first."""
 
+SPAN = 4.0
+"""Distances to the EIGHTH nearest point, in the median, within which a facet's middle has one."""
+
 EIGHTH = 8
 """Which of the outermost points tells how far the surface may reach beyond the first."""
+
+ASKED = 1000
+"""Points that tell how far apart they are."""
 
 ROUNDS = 4
 """Of putting vertices onto one plane after the other: at corners the planes need not be at right angles."""
@@ -58,6 +65,7 @@ def outer_normals(points: Points) -> Float64[np.ndarray, "f 3"]:
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
     order = np.argsort(-areas, kind="stable")
+    order = order[borne(corners[order].mean(axis=1), points)]
     left, share = hull.equations[order, :3], areas[order] / areas.sum()
     found: list[tuple[float, Float64[np.ndarray, " 3"]]] = []
     while len(left):
@@ -67,3 +75,11 @@ def outer_normals(points: Points) -> Float64[np.ndarray, "f 3"]:
         left, share = left[~alike], share[~alike]
     found = sorted((one for one in found if one[0] >= LEAST_AREA), key=lambda one: -one[0])
     return np.array([normal for _, normal in found[:MOST_FACES]]).reshape(-1, 3)
+
+
+def borne(middles: Points, points: Float64[np.ndarray, "m 3"]) -> Bool[np.ndarray, " n"]:
+    """Which of these places have points of the cloud near them."""
+    tree = KDTree(points)
+    asked = points[:: max(1, len(points) // ASKED)]
+    spacing = float(np.median(tree.query(asked, k=EIGHTH + 1, workers=-1)[0][:, EIGHTH]))
+    return np.asarray(tree.query(middles, workers=-1)[0]) < SPAN * spacing
