@@ -2,7 +2,7 @@
 
 import numpy as np
 import torch
-from jaxtyping import Float, Float64, Int64
+from jaxtyping import Bool, Float, Float64, Int64
 from scipy.spatial import KDTree
 from torch import Tensor
 
@@ -63,13 +63,12 @@ class OrientedDraws(SignedDraws):
         self.distance = torch.cat([self.distance[kept], distance])
         onward = continuation(points, tree, found, rims)
         if onward is not None:
-            self.go_on(onward, space.known_inside > 0.0, generator)
+            self.go_on(onward, self.distance.isnan() | (space.known_inside == 0.0), generator)
 
-    def go_on(self, onward: Continuation, closed: bool, generator: torch.Generator) -> None:
-        """Tell the pool what lies beyond rims: what free space does not, or nothing else where it leaks."""
+    def go_on(self, onward: Continuation, untold: Bool[Tensor, " p"], generator: torch.Generator) -> None:
+        """Tell of the pool what lies beyond rims, where nothing better does, and add to it from there."""
         told = torch.from_numpy(onward.told(positions(self.pool)).astype(np.float32))
-        silent = ~told.isnan() & self.distance.isnan() if closed else ~told.isnan()
-        self.distance = torch.where(silent, told, self.distance)
+        self.distance = torch.where(untold & ~told.isnan(), told, self.distance)
         lower, upper = (torch.from_numpy(corner.astype(np.float32)) for corner in onward.box(CLOSE))
         drawn = lower + (upper - lower) * torch.rand(POOL, 3, generator=generator)
         distance = torch.from_numpy(onward.told(positions(drawn)).astype(np.float32))
