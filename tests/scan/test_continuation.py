@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from weingarten.scan.continuation import AROUND, BEFORE, FEWEST, NEAREST, Continuation
+from weingarten.scan.continuation import AROUND, BEFORE, FEWEST, NEAREST, SPAN, Continuation
 from weingarten.scan.open_boundary import rims
 
 SIDES = np.concatenate([np.eye(3), -np.eye(3)])
@@ -31,7 +31,7 @@ def torn(points, normals, centre, radius):
     """Continuation of a cloud without what lies in a ball."""
     left = np.linalg.norm(points - centre, axis=1) > radius
     points, normals = points[left], normals[left]
-    return points, normals, Continuation.of(points, KDTree(points), normals, np.concatenate(rims(points)))
+    return points, normals, Continuation.of(points, KDTree(points), normals, rims(points))
 
 
 def about(centre, radius, count=2000, seed=1):
@@ -109,7 +109,7 @@ def test_nothing_stands_out_of_the_box_of_the_cloud():
     points, normals = block(LOWER, UPPER, 30_000)
     half = points[:, 0] < 0.2
     points, normals = points[half], normals[half]
-    onward = Continuation.of(points, KDTree(points), normals, np.concatenate(rims(points)))
+    onward = Continuation.of(points, KDTree(points), normals, rims(points))
     beyond = np.array([[0.3, 0.75, 0.0], [0.5, 0.0, 0.55], [0.21, 0.5, 0.3]])
     told = onward.told(beyond)
     assert (told > 0.0).all()
@@ -125,14 +125,28 @@ def test_nothing_is_said_next_to_what_was_scanned():
 
 def test_a_few_points_are_no_rim():
     points, normals = block(LOWER, UPPER, 1000)
-    assert Continuation.of(points, KDTree(points), normals, np.arange(FEWEST - 1)) is None
-    assert Continuation.of(points, KDTree(points), normals, np.arange(FEWEST)) is not None
+    tree = KDTree(points)
+    assert Continuation.of(points, tree, normals, ()) is None
+    assert Continuation.of(points, tree, normals, (np.arange(FEWEST - 1),)) is None
+    assert Continuation.of(points, tree, normals, (np.arange(FEWEST),)) is not None
+    assert Continuation.of(points, tree, 0.9 * normals, (np.arange(FEWEST),)) is None
 
 
-def slowly(place, points, rim, normals, lower, upper):
+def test_a_small_hole_says_nothing_of_places_far_away():
+    points, normals = block(LOWER, UPPER, 30_000)
+    centre = np.array([0.1, 0.1, 0.6])
+    _, _, onward = torn(points, normals, centre, 0.12)
+    height = np.array([0.1, 0.2, 0.3, 0.45, 0.6])
+    told = onward.told(centre + height[:, None] * [0.0, 0.0, 1.0])
+    np.testing.assert_array_equal(np.isnan(told), height > SPAN * 0.24 * np.sqrt(2.0))
+
+
+def slowly(place, points, rim, normals, spans, lower, upper):
     """The formula, point by point."""
     gaps = [np.linalg.norm(place - p) for p in rim]
     if min(gaps) >= NEAREST * min(np.linalg.norm(points - place, axis=1)):
+        return np.nan
+    if min(gaps) >= spans[int(np.argmin(gaps))]:
         return np.nan
     chosen = [i for i in range(len(rim)) if gaps[i] <= AROUND * min(gaps)]
     height = [float(normals[i] @ (place - rim[i])) for i in range(len(rim))]
@@ -155,11 +169,15 @@ def test_as_the_formula_says_point_by_point():
     points = random.uniform(-1, 1, (40, 3))
     normals = random.standard_normal((40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    chosen = np.arange(0, 40, 2)
-    onward = Continuation.of(points, KDTree(points), normals, chosen)
+    own = (np.arange(0, 26, 2), np.array([26, 28, 30]), np.arange(32, 40, 2))
+    points[own[1]] = 0.1 * points[own[1]]
+    chosen = np.concatenate(own)
+    spans = np.concatenate([[SPAN * np.linalg.norm(np.ptp(points[rim], axis=0))] * len(rim) for rim in own])
+    onward = Continuation.of(points, KDTree(points), normals, own)
     places = random.uniform(-1.2, 1.2, (300, 3))
     lower, upper = points.min(axis=0), points.max(axis=0)
-    expected = [slowly(place, points, points[chosen], normals[chosen], lower, upper) for place in places]
+    rest = (points, points[chosen], normals[chosen], spans, lower, upper)
+    expected = [slowly(place, *rest) for place in places]
     told = onward.told(places)
     assert 0.1 < np.isnan(told).mean() < 0.9
     assert onward.concave.any()

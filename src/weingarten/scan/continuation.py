@@ -8,7 +8,8 @@ in a concave edge where each lies before the other's plane, else in a convex one
 
 over the points of rims that are not much farther from x than the nearest: the intersection of half spaces at
 a convex corner, their union at a concave one, and what the faces say pair by pair where both meet. Nothing
-stands out of the cloud's bounding box. f is said only where the nearest plane alone has the same sign.
+stands out of the cloud's bounding box. f is said only where the nearest plane alone has the same sign, and no
+farther from a rim than a hole of its size reaches.
 """
 
 from dataclasses import dataclass
@@ -18,15 +19,23 @@ from jaxtyping import Bool, Float64, Int64
 from scipy.spatial import KDTree
 from scipy.spatial.distance import cdist
 
+NOTHING = np.empty(0, dtype=np.int64)
+
 Points = Float64[np.ndarray, "n 3"]
 Places = Float64[np.ndarray, "m 3"]
 
 FEWEST, MOST = 10, 128
 """Points of rims: where there are fewer, nothing is said; at most so many are asked, evenly picked."""
 
+KNOWN = 1.0 - 1e-6
+"""Length of a normal that counts."""
+
 NEAREST, AROUND = 1.2, 2.0
 """How much farther than the nearest point of the cloud the nearest of a rim may be, and than that the others
 that are asked."""
+
+SPAN = 1.5
+"""How far from a rim anything is said, in diagonals of its box: of a hole's rim, parts may be missing."""
 
 BLOCK = 8192
 """Places that are asked at a time."""
@@ -38,34 +47,39 @@ BEFORE = 0.05
 @dataclass(frozen=True)
 class Continuation:
     """tree: of the cloud. rim: of the points on rims. normals: theirs, outward, of unit length.
-    concave: which pairs of them meet so. lower, upper: corners of the cloud's box.
+    spans: how far from them anything is said. concave: which pairs of them meet so. lower, upper: corners of
+    the cloud's box.
     """
 
     tree: KDTree
     rim: KDTree
     normals: Float64[np.ndarray, "r 3"]
+    spans: Float64[np.ndarray, " r"]
     concave: Bool[np.ndarray, "r r"]
     lower: Float64[np.ndarray, " 3"]
     upper: Float64[np.ndarray, " 3"]
 
     @classmethod
     def of(
-        cls, points: Points, tree: KDTree, normals: Points, rims: Int64[np.ndarray, " _"]
+        cls, points: Points, tree: KDTree, normals: Points, rims: tuple[Int64[np.ndarray, " _"], ...]
     ) -> "Continuation | None":
         """None where too little is known of the rims.
 
-        tree: of the points. normals: outward, of unit length. rims: numbers of the points on rims with a
-        normal that is to be trusted.
+        tree: of the points. normals: outward, of unit length where anything goes on, else shorter. rims:
+        numbers of the points on each.
         """
-        if len(rims) < FEWEST:
+        spans = [np.full(len(rim), SPAN * np.linalg.norm(np.ptp(points[rim], axis=0))) for rim in rims]
+        numbers, reach = np.concatenate([NOTHING, *rims]), np.concatenate([np.empty(0), *spans])
+        known = np.flatnonzero(np.linalg.norm(normals[numbers], axis=1) > KNOWN)
+        if len(known) < FEWEST:
             return None
-        chosen = rims[np.linspace(0, len(rims) - 1, min(MOST, len(rims))).astype(int)]
-        places, ways = points[chosen], normals[chosen]
+        chosen = known[np.linspace(0, len(known) - 1, min(MOST, len(known))).astype(int)]
+        places, ways = points[numbers[chosen]], normals[numbers[chosen]]
         apart = places[None] - places[:, None]
         height = np.einsum("ijd,id->ij", apart, ways)
         before = height > BEFORE * np.linalg.norm(apart, axis=2)
         lower, upper = points.min(axis=0), points.max(axis=0)
-        return cls(tree, KDTree(places), ways, before & before.T, lower, upper)
+        return cls(tree, KDTree(places), ways, reach[chosen], before & before.T, lower, upper)
 
     def box(self, margin: float) -> tuple[Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]]:
         """Corners of the cloud's box, with so much about it."""
@@ -80,7 +94,8 @@ class Continuation:
         """The same of a few."""
         found = np.full(len(places), np.nan)
         gap, nearest = map(np.asarray, self.rim.query(places, workers=-1))
-        own = np.flatnonzero(gap < NEAREST * np.asarray(self.tree.query(places, workers=-1)[0]))
+        close = NEAREST * np.asarray(self.tree.query(places, workers=-1)[0])
+        own = np.flatnonzero(gap < np.minimum(close, self.spans[nearest]))
         at, gap, rows = places[own], gap[own], np.arange(len(own))
         outside = np.maximum(at - self.upper, self.lower - at).max(axis=1)
         heights = at @ self.normals.T - np.einsum("rd,rd->r", self.rim.data, self.normals)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Float64, Int64
+from jaxtyping import Float, Float64, Int64
 from scipy.spatial import KDTree
 from torch import Tensor
 
@@ -63,19 +63,23 @@ class OrientedDraws(SignedDraws):
         self.distance = torch.cat([self.distance[kept], distance])
         onward = continuation(points, tree, found, rims)
         if onward is not None:
-            self.go_on(onward, self.distance.isnan() | (space.known_inside == 0.0), generator)
+            self.go_on(onward, space, generator)
 
-    def go_on(self, onward: Continuation, untold: Bool[Tensor, " p"], generator: torch.Generator) -> None:
-        """Tell of the pool what lies beyond rims, where nothing better does, and add to it from there."""
-        told = torch.from_numpy(onward.told(positions(self.pool)).astype(np.float32))
-        self.distance = torch.where(untold & ~told.isnan(), told, self.distance)
+    def go_on(self, onward: Continuation, space: FreeSpace, generator: torch.Generator) -> None:
+        """Add places from beyond rims to the pool, and tell of it what free space does not.
+
+        Where that has found no inside, it has leaked in, and what it says there is not believed.
+        """
         lower, upper = (torch.from_numpy(corner.astype(np.float32)) for corner in onward.box(CLOSE))
         drawn = lower + (upper - lower) * torch.rand(POOL, 3, generator=generator)
-        distance = torch.from_numpy(onward.told(positions(drawn)).astype(np.float32))
-        chosen = (distance.abs() < CLOSE).nonzero()[:, 0][: int(BEYOND * POOL)]
-        kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(chosen)]
-        self.pool = torch.cat([self.pool[kept], drawn[chosen]])
-        self.distance = torch.cat([self.distance[kept], distance[chosen]])
+        close = torch.from_numpy(np.abs(onward.told(positions(drawn))) < CLOSE)
+        drawn = drawn[close][: int(BEYOND * POOL)]
+        kept = torch.randperm(len(self.pool), generator=generator)[: POOL - len(drawn)]
+        self.pool = torch.cat([self.pool[kept], drawn])
+        known = torch.cat([self.distance[kept], torch.from_numpy(space.signed_distance(positions(drawn)))])
+        told = torch.from_numpy(onward.told(positions(self.pool)).astype(np.float32))
+        untold = known.isnan() | (space.known_inside == 0.0)
+        self.distance = torch.where(untold & ~told.isnan(), told, known)
 
     def within(
         self, tree: KDTree, found: Orientation, width: float, generator: torch.Generator
@@ -108,7 +112,5 @@ def continuation(
     points: Points, tree: KDTree, found: Orientation, rims: tuple[Int64[np.ndarray, " _"], ...]
 ) -> Continuation | None:
     """Of the rims where normals are to be trusted; None where there are none."""
-    numbers = np.concatenate([np.empty(0, dtype=np.int64), *(rim for rim in rims if len(rim) >= SURE)])
-    trusted = numbers[found.trust[numbers] > TRUSTED]
     normals = found.normals / np.maximum(found.trust, TRUSTED)[:, None]
-    return Continuation.of(points, tree, normals, trusted)
+    return Continuation.of(points, tree, normals, tuple(rim for rim in rims if len(rim) >= SURE))
