@@ -34,7 +34,7 @@ NEAREST, AROUND = 1.2, 2.0
 """How much farther than the nearest point of the cloud the nearest of a rim may be, and than that the others
 that are asked."""
 
-SPAN = 1.5
+SPAN = 2.0
 """How far from a rim anything is said, in diagonals of its box: of a hole's rim, parts may be missing."""
 
 BLOCK = 8192

@@ -66,9 +66,9 @@ class OrientedDraws(SignedDraws):
             self.go_on(onward, space, generator)
 
     def go_on(self, onward: Continuation, space: FreeSpace, generator: torch.Generator) -> None:
-        """Add places from beyond rims to the pool, and tell of it what free space does not.
+        """Add places from beyond rims to the pool, and tell of it what lies there.
 
-        Where that has found no inside, it has leaked in, and what it says there is not believed.
+        Free space may have leaked in: of what it says there, only an inside, which is closed, is believed.
         """
         lower, upper = (torch.from_numpy(corner.astype(np.float32)) for corner in onward.box(CLOSE))
         drawn = lower + (upper - lower) * torch.rand(POOL, 3, generator=generator)
@@ -78,8 +78,7 @@ class OrientedDraws(SignedDraws):
         self.pool = torch.cat([self.pool[kept], drawn])
         known = torch.cat([self.distance[kept], torch.from_numpy(space.signed_distance(positions(drawn)))])
         told = torch.from_numpy(onward.told(positions(self.pool)).astype(np.float32))
-        untold = known.isnan() | (space.known_inside == 0.0)
-        self.distance = torch.where(untold & ~told.isnan(), told, known)
+        self.distance = torch.where(told.isnan() | (known < 0.0), known, told)
 
     def within(
         self, tree: KDTree, found: Orientation, width: float, generator: torch.Generator
