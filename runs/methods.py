@@ -1,13 +1,14 @@
 """All methods on a folder of parts at equal steps and at equal time; goes on where another machine stopped.
 
-    python runs/methods.py DATA OUT [--minutes 60] [--shard 1/2] [--times odw-paper@770,…]
+    python runs/methods.py DATA OUT [--minutes 60] [--jobs 2] [--shard 1/2] [--times odw-paper@770,…]
     python runs/methods.py DATA OUT --table
 
 DATA holds true meshes and index.csv. Every method has the steps of the standard preset; those of --times, as
 `python benchmarks/methods.py --fit` names them, are fitted a second time with the steps that take as long as
-`odw`. LEADERS have three seeds. Marching cubes for all, so that fields are compared and not meshers. OUT
-begins with what results/methods.tar.xz has, which is written anew after every part, by shard 1 alone. --table
-writes results/methods.md. Run it with the Python of the environment that has weingarten.
+`odw` (with --jobs a fit has one thread, and so should that command). LEADERS have three seeds. Marching cubes
+for all, so that fields are compared and not meshers. OUT begins with what results/methods.tar.xz has, which
+is written anew after every part, by shard 1 alone. --table writes results/methods.md. Run it with the Python
+of the environment that has weingarten.
 """
 
 import argparse
@@ -46,6 +47,7 @@ def commands(chosen: argparse.Namespace) -> list[list[str]]:
     bench = [str(PROGRAM), "bench", str(chosen.data), "--out", str(chosen.out)]
     rounds = [(every, 1), (",".join(LEADERS), 3)]
     shared = ["--sharp", "off", "--baseline", BASELINE, "--shard", chosen.shard, "--quiet"]
+    shared += ["--jobs", str(chosen.jobs)]
     return [
         [*bench, "--parts", part, "--methods", methods, "--seeds", str(seeds), *shared]
         for methods, seeds in rounds
@@ -92,6 +94,7 @@ def main() -> int:
     parser.add_argument("data", type=Path, metavar="DATA")
     parser.add_argument("out", type=Path, metavar="OUT")
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--jobs", type=int, default=1, help="fits at once (default 1)")
     parser.add_argument("--shard", default="1/1", metavar="I/N")
     parser.add_argument("--times", default="", metavar="A@N,B@M")
     parser.add_argument("--table", action="store_true", help="write results/methods.md of what there is")
