@@ -34,6 +34,12 @@ KINDS: dict[str, Callable[[Row], bool]] = {
 """Overlapping; the bounds were set before any method was compared by them."""
 
 
+def index(data: Path) -> list[Row]:
+    """What is known of every part."""
+    with (data / "index.csv").open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
 def parts_of(rows: list[Row], kind: str) -> set[str]:
     """Names of the parts of a kind."""
     return {row["id"] for row in rows if KINDS[kind](row)}
@@ -88,8 +94,7 @@ def main() -> None:
     parser.add_argument("out", type=Path, help="folder of a benchmark")
     parser.add_argument("--baseline", default="odw", help="contender to compare with (default odw)")
     arguments = parser.parse_args()
-    with (arguments.data / "index.csv").open(newline="", encoding="utf-8") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = index(arguments.data)
     found = [one for one in results(Store(arguments.out)) if one.good]
     sys.stdout.write(markdown(kinds_table(found, rows, arguments.baseline)))
 

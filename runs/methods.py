@@ -5,23 +5,24 @@
 
 DATA holds true meshes and index.csv. Every method has the steps of the standard preset; those of --times, as
 `python benchmarks/methods.py --fit` names them, are fitted a second time with the steps that take as long as
-`odw` (with --jobs a fit has one thread, and so should that command). LEADERS have three seeds. Marching cubes
-for all, so that fields are compared and not meshers. OUT begins with what results/methods.tar.xz has, which
-is written anew after every part, by shard 1 alone. --table writes results/methods.md. Run it with the Python
-of the environment that has weingarten.
+`odw` (with --jobs a fit has one thread, and so should that command). `odw-none` has no curvature term.
+LEADERS have three seeds. Marching cubes for all, so that fields are compared and not meshers. OUT begins
+with what results/methods.tar.xz has, which is written anew after every part, by shard 1 alone. --table
+writes results/methods.md. Run it with the Python of the environment that has weingarten.
 """
 
 import argparse
-import csv
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from kept import pack, unpack
+from kinds import Row, index, kinds_table
 
 from weingarten.bench.rendering import markdown
-from weingarten.bench.results import results
+from weingarten.bench.results import Result, results
 from weingarten.bench.store import Store
 from weingarten.bench.table import tables
 from weingarten.methods import METHODS
@@ -36,23 +37,22 @@ BASELINE = "odw"
 
 def part_names(data: Path) -> list[str]:
     """Of the index, every fourth first, then every fourth of the others: any number of them is a mixture."""
-    with (data / "index.csv").open(newline="", encoding="utf-8") as stream:
-        names = [row["id"] for row in csv.DictReader(stream)]
+    names = [row["id"] for row in index(data)]
     return [name for first in range(4) for name in names[first::4]]
 
 
 def commands(chosen: argparse.Namespace) -> list[list[str]]:
-    """Part by part: all methods, then those of other steps; then the leaders' other seeds."""
+    """Part by part: all methods, those of other steps, no curvature term; then the leaders' other seeds."""
     every = ",".join([*METHODS, "poisson", *([chosen.times] if chosen.times else [])])
     bench = [str(PROGRAM), "bench", str(chosen.data), "--out", str(chosen.out)]
-    rounds = [(every, 1), (",".join(LEADERS), 3)]
     shared = ["--sharp", "off", "--baseline", BASELINE, "--shard", chosen.shard, "--quiet"]
     shared += ["--jobs", str(chosen.jobs)]
-    return [
-        [*bench, "--parts", part, "--methods", methods, "--seeds", str(seeds), *shared]
-        for methods, seeds in rounds
-        for part in part_names(chosen.data)
-    ]
+    without = ["--methods", BASELINE, "--schedules", "none"]
+    first, leaders = ["--methods", every], ["--methods", ",".join(LEADERS), "--seeds", "3"]
+    names = part_names(chosen.data)
+    pieces = [(part, fits) for part in names for fits in (first, without)]
+    pieces += [(part, leaders) for part in names]
+    return [[*bench, "--parts", part, *fits, *shared] for part, fits in pieces]
 
 
 def carry_out(chosen: argparse.Namespace) -> None:
@@ -71,21 +71,50 @@ def carry_out(chosen: argparse.Namespace) -> None:
             sys.stderr.write(f"{pack(chosen.out, ARCHIVE):,} files kept in {ARCHIVE.name}\n")
 
 
-def page(out: Path) -> str:
+def at_equal_steps(found: list[Result]) -> list[Result]:
+    """Those with the preset's steps."""
+    return [one for one in found if "@" not in one.contender]
+
+
+def at_equal_time(found: list[Result]) -> list[Result]:
+    """Those with steps of their own, under the method's name, and the methods that need none."""
+    own = {one.contender.partition("@")[0] for one in found if "@" in one.contender}
+    alike = [one for one in at_equal_steps(found) if one.contender not in own]
+    return alike + [
+        replace(one, contender=one.contender.partition("@")[0]) for one in found if "@" in one.contender
+    ]
+
+
+VIEWS = {"steps": at_equal_steps, "time": at_equal_time}
+
+
+def page(data: Path, out: Path) -> str:
     """The tables of what there is."""
     found = results(Store(out))
     parts = sorted({one.part for one in found})
     commits = sorted({str(one.fit.get("commit")) for one in found})
+    own = sorted({one.contender for one in found if "@" in one.contender})
     head = [
         "# All methods at equal steps and at equal time",
         "",
-        "- command: `python runs/methods.py DATA OUT`, then `--table`; NAME@STEPS has the time of `odw`",
+        "- command: `python runs/methods.py DATA OUT`, then `--table`",
         f"- fits of commits: {', '.join(commits)}; table of commit {commit(ROOT)}; date: {today()}; "
         f"machine of the table: {machine()}",
         f"- {len(found):,} fits of {len(parts)} parts; preset standard, marching cubes, 30,000 points a part",
+        f"- three seeds, as far as they are there: {', '.join(LEADERS)}; one: all others",
+        f"- steps in the time of `{BASELINE}`: {', '.join(own)}; all others as many as it has",
         "",
     ]
-    return "\n".join(head) + "\n".join(markdown(table) for table in tables(found, BASELINE))
+    rows = index(data)
+    return "\n".join([*head, *(view(name, seen(found), rows) for name, seen in VIEWS.items())])
+
+
+def view(name: str, found: list[Result], rows: list[Row]) -> str:
+    """A section: by kind of part, and all tables of a benchmark."""
+    shown = [kinds_table([one for one in found if one.good], rows, BASELINE), *tables(found, BASELINE)]
+    return "\n".join(
+        [f"## At equal {name}\n", *(markdown(table).replace("## ", "### ", 1) for table in shown)]
+    )
 
 
 def main() -> int:
@@ -102,7 +131,7 @@ def main() -> int:
     chosen.out.mkdir(parents=True, exist_ok=True)
     unpack(ARCHIVE, chosen.out)
     if chosen.table:
-        PAGE.write_text(page(chosen.out), encoding="utf-8")
+        PAGE.write_text(page(chosen.data, chosen.out), encoding="utf-8")
         sys.stdout.write(f"results/{PAGE.name}\n")
         return 0
     carry_out(chosen)
