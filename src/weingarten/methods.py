@@ -39,7 +39,7 @@ FIRST_ORDER: dict[Term, Weight] = {
 
 GAUSSIAN_WEIGHT, STENCIL_WEIGHT = 0.01, 0.1
 """Greatest weights of Gaussian curvature in the recipe, exact and by differences. |K| is large where the
-young field's gradient is small: with ten times as much its few largest values steer the fit, and ruin most."""
+young field's gradient is small: with ten times as much these few points steer the fit, and ruin most."""
 
 CURRICULUM: dict[Term, Weight] = {
     CURRICULUM_SURFACE: constant(7000.0),
