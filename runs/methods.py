@@ -45,8 +45,7 @@ def commands(chosen: argparse.Namespace) -> list[list[str]]:
     """Part by part: all methods, those of other steps, no curvature term; then the leaders' other seeds."""
     every = ",".join([*METHODS, "poisson", *([chosen.times] if chosen.times else [])])
     bench = [str(PROGRAM), "bench", str(chosen.data), "--out", str(chosen.out)]
-    shared = ["--sharp", "off", "--baseline", BASELINE, "--shard", chosen.shard, "--quiet"]
-    shared += ["--jobs", str(chosen.jobs)]
+    shared = ["--sharp", "off", "--shard", chosen.shard, "--quiet", "--jobs", str(chosen.jobs)]
     without = ["--methods", BASELINE, "--schedules", "none"]
     first, leaders = ["--methods", every], ["--methods", ",".join(LEADERS), "--seeds", "3"]
     names = part_names(chosen.data)
