@@ -20,6 +20,7 @@ from weingarten.report.provenance import commit, machine, today
 
 HEADINGS = {
     "step": "One optimisation step",
+    "methods": "A step of every method",
     "phases": "The whole command",
     "quality": "Time to quality",
     "scaling": "How time and memory grow",

@@ -5,7 +5,7 @@ import pytest
 from trimesh.creation import box, icosphere
 
 from weingarten.mesh import Mesh
-from weingarten.metrics.coverage import SHARE_GUESSED, SHARE_MISSED, coverage
+from weingarten.metrics.coverage import PATCH, SHARE_GUESSED, SHARE_MISSED, coverage, largest_patch
 from weingarten.metrics.distance import closest
 from weingarten.scan.sampling import sample_surface
 
@@ -72,3 +72,38 @@ def test_it_is_the_same_in_any_unit():
     points = points[points[:, 0] < 0.7]
     far = Mesh(25.4 * BALL.vertices + 1000.0, BALL.faces)
     assert seen(far, 25.4 * points + 1000.0).guessed == pytest.approx(seen(BALL, points).guessed, abs=1e-3)
+
+
+def test_a_small_hole_that_was_closed_is_said_with_its_place():
+    mesh, points = mesh_of(box((2.0, 2.0, 0.2))), sample_surface(mesh_of(box((2.0, 2.0, 0.2))), 20_000, 0)[0]
+    around = np.hypot(points[:, 0] - 0.5, points[:, 1]) < 0.05
+    turn = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    wall = np.column_stack([0.5 + 0.05 * np.cos(turn), 0.05 * np.sin(turn), np.linspace(-0.09, 0.09, 60)])
+    found = seen(mesh, np.concatenate([points[~around], wall]))
+    assert found.missed < SHARE_MISSED
+    assert len(found.patch) >= PATCH
+    np.testing.assert_allclose(found.patch.mean(axis=0), [0.5, 0.0, 0.0], atol=0.03)
+    assert found.doubts == (
+        f"{len(found.patch)} points in one place, around "
+        f"({', '.join(f'{value:.4g}' for value in found.patch.mean(axis=0))}), are off the mesh: it misses a "
+        "small hole or rib there.",
+    )
+
+
+def test_as_many_points_off_the_mesh_here_and_there_are_no_hole():
+    strays = np.random.default_rng(0).uniform(-1.0, 1.0, (60, 3)) * 0.6
+    found = seen(BALL, np.concatenate([sample_surface(BALL, 20_000, 0)[0], strays]))
+    assert 0.0 < found.missed < SHARE_MISSED
+    assert len(found.patch) < PATCH
+    assert found.doubts == ()
+
+
+def test_the_largest_patch_is_that_of_a_slow_search():
+    generator = np.random.default_rng(1)
+    points, reach = generator.uniform(size=(80, 3)), generator.uniform(0.05, 0.2, 80)
+    group = np.arange(80)
+    gaps = np.linalg.norm(points[:, None] - points, axis=-1)
+    for one, other in np.argwhere(gaps <= reach[:, None]):
+        group[group == group[other]] = group[one]
+    sizes = np.bincount(group)
+    assert len(largest_patch(points, reach)) == sizes.max()
