@@ -76,7 +76,8 @@ def kinds_table(found: list[Result], rows: list[Row], baseline: str) -> Table:
             for kind, value in ratios.items()
         ]
         made.append((ratios["all"] or float("inf"), (Cell(name), *cells)))
-    head = [f"{kind} ({len(parts_of(rows, kind))} parts)" for kind in KINDS]
+    there = {one.part for one in found}
+    head = [f"{kind} ({len(parts_of(rows, kind) & there)} parts)" for kind in KINDS]
     caption = (
         f"Exact CD over that of {baseline}, geometric mean over the parts, below one is better; then the "
         "share of fits with components and genus right."

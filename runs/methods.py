@@ -12,6 +12,8 @@ writes results/methods.md. Run it with the Python of the environment that has we
 """
 
 import argparse
+import math
+import statistics
 import subprocess
 import sys
 import time
@@ -19,12 +21,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from kept import pack, unpack
-from kinds import Row, index, kinds_table
+from kinds import CHAMFER, TOPOLOGY, Row, index, kinds_table
 
 from weingarten.bench.rendering import markdown
 from weingarten.bench.results import Result, results
+from weingarten.bench.statistics import figures_of
 from weingarten.bench.store import Store
-from weingarten.bench.table import tables
+from weingarten.bench.table import Cell, Table, tables
 from weingarten.methods import METHODS
 from weingarten.report.provenance import commit, machine, today
 
@@ -32,7 +35,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(sys.executable).parent / "weingarten"
 ARCHIVE, PAGE = ROOT / "results" / "methods.tar.xz", ROOT / "results" / "methods.md"
 LEADERS = ("odw-oriented", "odw", "gaussian", "smaller-curvature")
-BASELINE = "odw"
+BASELINE, EDGES = "odw", "exact-1.edge_f1"
 
 
 def part_names(data: Path) -> list[str]:
@@ -105,7 +108,48 @@ def page(data: Path, out: Path) -> str:
         "",
     ]
     rows = index(data)
+    head.append(markdown(overview(found)))
     return "\n".join([*head, *(view(name, seen(found), rows) for name, seen in VIEWS.items())])
+
+
+def overview(found: list[Result]) -> Table:
+    """A row a method, equal steps beside equal time, in the order of the former."""
+    steps, time_ = at_equal_steps(found), at_equal_time(found)
+    names = list(dict.fromkeys(one.contender for one in steps))
+    medians = {name: middle(steps, name) for name in names}
+    rows = [
+        (Cell(name), *judged(steps, name), *judged(time_, name))
+        for name in sorted(names, key=lambda name: medians[name])
+    ]
+    heads = ("exact CD ×10³, median", "mean", "edge F1, %", "topology right, %", "failed")
+    columns = ("", *(f"{when}: {head}" for when in ("equal steps", "equal time") for head in heads))
+    return Table(
+        "Overview",
+        "A part's value is the mean over its seeds. Failed fits are in no mean.",
+        columns,
+        tuple(rows),
+    )
+
+
+def values(found: list[Result], name: str, key: str) -> list[float]:
+    """Of every part that has one."""
+    return [statistics.mean(own.values()) for own in figures_of(found, name, key).values()]
+
+
+def middle(found: list[Result], name: str) -> float:
+    """The median exact CD, infinite where every fit failed."""
+    return statistics.median(values(found, name, CHAMFER) or [math.inf])
+
+
+def judged(found: list[Result], name: str) -> list[Cell]:
+    """The cells of a method."""
+    failed = sum(one.failed for one in found if one.contender == name)
+    chamfer, edges, right = (values(found, name, key) for key in (CHAMFER, EDGES, TOPOLOGY))
+    if not chamfer:
+        return [*[Cell("–")] * 4, Cell(str(failed))]
+    shown = f"{1e3 * statistics.median(chamfer):.3f}", f"{1e3 * statistics.mean(chamfer):.3f}"
+    shares = (f"{100 * statistics.mean(of):.0f}" if of else "–" for of in (edges, right))
+    return [Cell(text) for text in (*shown, *shares, str(failed))]
 
 
 def view(name: str, found: list[Result], rows: list[Row]) -> str:

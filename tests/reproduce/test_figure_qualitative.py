@@ -1,5 +1,6 @@
 """Figure 3 from a small benchmark's folder whose errors are known."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,16 @@ def test_the_figure_has_a_picture_for_every_mesh(tmp_path: Path, part: Part):
     assert texts[3:6] == ["ball", "CD 0.00", "CD 10.00"]
     ticks = [tick.get_text() for tick in figure.axes[-1].get_xticklabels()]
     assert ticks == ["0", "0.25", "0.5", "0.75", "≥ 1"]
+
+
+def test_long_headings_stay_above_their_column(tmp_path: Path, part: Part):
+    contenders = dict.fromkeys(("neural-singular-hessian", "smaller-curvature", "a", "b", "c"), "right")
+    figure = figure_qualitative(tmp_path / "bench", [part], contenders, panel=PANEL)
+    figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in figure.texts[: len(contenders) + 1]]
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
+    assert max(box.y1 for box in boxes) <= figure.bbox.y1
+    assert min(box.y0 for box in boxes) >= figure.axes[0].get_window_extent().y1
 
 
 def test_the_scale_can_be_given_and_failures_are_shown(tmp_path: Path, part: Part):

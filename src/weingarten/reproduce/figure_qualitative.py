@@ -9,6 +9,7 @@ the figure beneath, the Chamfer distance of the exact protocol, counts it.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,6 +37,9 @@ CHAMFER = EXACT_METRICS[0]
 
 GAP, ABOVE, BENEATH = 0.05, 0.24, 0.19
 """Inches: between pictures, for the headings, for the line beneath a row."""
+
+INCH, LETTER, LINE = 72.0, 0.62, 1.2
+"""Points of an inch; a letter's width and a line's height, in sizes of the type."""
 
 KEY = 0.46
 """Inches at the figure's lower edge, for the scale of colours."""
@@ -126,13 +130,17 @@ def chamfer_of(entry: Entry) -> float | None:
 def _drawn(rows: Sequence[Row], headings: Sequence[str], scale: Scale) -> "Figure":
     """All pictures, their lines and the scale."""
     side = (style.WIDTH + GAP) / len(headings) - GAP
-    height = ABOVE + sum(side * row.shape + BENEATH for row in rows) + KEY
-    figure = style.new_figure(height)
     size = style.TYPE if len(headings) < 8 else style.SMALL
-    for column, heading in enumerate(headings):
+    wrapped = [
+        fill(heading, int(INCH * side / (LETTER * size)), break_long_words=False) for heading in headings
+    ]
+    above = ABOVE + max(text.count("\n") for text in wrapped) * LINE * size / INCH
+    height = above + sum(side * row.shape + BENEATH for row in rows) + KEY
+    figure = style.new_figure(height)
+    for column, heading in enumerate(wrapped):
         middle = (column * (side + GAP) + side / 2) / style.WIDTH
-        figure.text(middle, 1 - 0.5 * ABOVE / height, heading, ha="center", va="center", size=size)
-    top = height - ABOVE
+        figure.text(middle, 1 - 0.5 * above / height, heading, ha="center", va="center", size=size)
+    top = height - above
     for row in rows:
         tall = side * row.shape
         top -= tall
