@@ -90,9 +90,18 @@ def at_equal_time(found: list[Result]) -> list[Result]:
 VIEWS = {"steps": at_equal_steps, "time": at_equal_time}
 
 
+def whole(found: list[Result]) -> list[Result]:
+    """Those of parts that all contenders have had: means over different parts cannot be compared."""
+    contenders: dict[str, set[str]] = {}
+    for one in found:
+        contenders.setdefault(one.part, set()).add(one.contender)
+    most = max(map(len, contenders.values()), default=0)
+    return [one for one in found if len(contenders[one.part]) == most]
+
+
 def page(data: Path, out: Path) -> str:
     """The tables of what there is."""
-    found = results(Store(out))
+    found = whole(results(Store(out)))
     parts = sorted({one.part for one in found})
     commits = sorted({str(one.fit.get("commit")) for one in found})
     own = sorted({one.contender for one in found if "@" in one.contender})
