@@ -85,7 +85,8 @@ def largest_patch(points: Points, reach: Float64[np.ndarray, " n"]) -> Float64[n
     """Of some points the largest group of neighbours: one within the other's reach, of its EIGHTH nearest."""
     if len(points) < PATCH:
         return points[:0]
-    gaps, near = KDTree(points).query(points, k=min(EIGHTH + 1, len(points)), workers=-1)
+    found = KDTree(points).query(points, k=min(EIGHTH + 1, len(points)), workers=-1)
+    gaps, near = map(np.asarray, found)
     own, other = np.nonzero(gaps <= reach[:, None])
     graph = coo_array((np.ones(len(own)), (own, near[own, other])), shape=(len(points), len(points)))
     label = connected_components(graph, directed=False)[1]
