@@ -35,7 +35,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(sys.executable).parent / "weingarten"
 ARCHIVE, PAGE = ROOT / "results" / "methods.tar.xz", ROOT / "results" / "methods.md"
 LEADERS = ("odw-oriented", "odw", "gaussian", "smaller-curvature")
-BASELINE, EDGES = "odw", "exact-1.edge_f1"
+BASELINE = "odw"
 
 
 def part_names(data: Path) -> list[str]:
@@ -130,11 +130,11 @@ def overview(found: list[Result]) -> Table:
         (Cell(name), *judged(steps, name), *judged(time_, name))
         for name in sorted(names, key=lambda name: medians[name])
     ]
-    heads = ("exact CD ×10³, median", "mean", "edge F1, %", "topology right, %", "failed")
+    heads = ("exact CD ×10³", "topology right", "failed")
     columns = ("", *(f"{when}: {head}" for when in ("equal steps", "equal time") for head in heads))
     return Table(
         "Overview",
-        "A part's value is the mean over its seeds. Failed fits are in no mean.",
+        "Median over the parts (least–greatest), a part's value being the mean over its seeds.",
         columns,
         tuple(rows),
     )
@@ -153,12 +153,10 @@ def middle(found: list[Result], name: str) -> float:
 def judged(found: list[Result], name: str) -> list[Cell]:
     """The cells of a method."""
     failed = sum(one.failed for one in found if one.contender == name)
-    chamfer, edges, right = (values(found, name, key) for key in (CHAMFER, EDGES, TOPOLOGY))
-    if not chamfer:
-        return [*[Cell("–")] * 4, Cell(str(failed))]
-    shown = f"{1e3 * statistics.median(chamfer):.3f}", f"{1e3 * statistics.mean(chamfer):.3f}"
-    shares = (f"{100 * statistics.mean(of):.0f}" if of else "–" for of in (edges, right))
-    return [Cell(text) for text in (*shown, *shares, str(failed))]
+    chamfer = [1e3 * value for value in values(found, name, CHAMFER)]
+    right = [value for own in figures_of(found, name, TOPOLOGY).values() for value in own.values()]
+    spread = f"{statistics.median(chamfer):.2f} ({min(chamfer):.2f}–{max(chamfer):.2f})" if chamfer else "–"
+    return [Cell(spread), Cell(f"{sum(right):.0f} of {len(right) + failed}"), Cell(str(failed))]
 
 
 def view(name: str, found: list[Result], rows: list[Row]) -> str:
