@@ -13,19 +13,19 @@ writes results/methods.md. Run it with the Python of the environment that has we
 
 import argparse
 import math
-import statistics
 import subprocess
 import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from kept import pack, unpack
 from kinds import CHAMFER, TOPOLOGY, Row, index, kinds_table
 
 from weingarten.bench.rendering import markdown
 from weingarten.bench.results import Result, results
-from weingarten.bench.statistics import figures_of
+from weingarten.bench.statistics import figures_of, part_values
 from weingarten.bench.store import Store
 from weingarten.bench.table import Cell, Table, tables
 from weingarten.methods import METHODS
@@ -82,11 +82,9 @@ def at_equal_steps(found: list[Result]) -> list[Result]:
 
 def at_equal_time(found: list[Result]) -> list[Result]:
     """Those with steps of their own, under the method's name, and the methods that need none."""
-    own = {one.contender.partition("@")[0] for one in found if "@" in one.contender}
-    alike = [one for one in at_equal_steps(found) if one.contender not in own]
-    return alike + [
-        replace(one, contender=one.contender.partition("@")[0]) for one in found if "@" in one.contender
-    ]
+    own = [replace(one, contender=one.contender.partition("@")[0]) for one in found if "@" in one.contender]
+    names = {one.contender for one in own}
+    return [one for one in at_equal_steps(found) if one.contender not in names] + own
 
 
 VIEWS = {"steps": at_equal_steps, "time": at_equal_time}
@@ -125,15 +123,12 @@ def page(data: Path, out: Path) -> str:
 
 def overview(found: list[Result]) -> Table:
     """A row a method, equal steps beside equal time, in the order of the former."""
-    steps, time_ = at_equal_steps(found), at_equal_time(found)
-    names = list(dict.fromkeys(one.contender for one in steps))
-    medians = {name: middle(steps, name) for name in names}
-    rows = [
-        (Cell(name), *judged(steps, name), *judged(time_, name))
-        for name in sorted(names, key=lambda name: medians[name])
-    ]
+    seen = {when: of(found) for when, of in VIEWS.items()}
+    names = dict.fromkeys(one.contender for one in seen["steps"])
+    ordered = sorted(names, key=lambda name: middle(seen["steps"], name))
+    rows = [(Cell(name), *(cell for of in seen.values() for cell in judged(of, name))) for name in ordered]
     heads = ("exact CD ×10³", "topology right", "failed")
-    columns = ("", *(f"{when}: {head}" for when in ("equal steps", "equal time") for head in heads))
+    columns = ("", *(f"equal {when}: {head}" for when in VIEWS for head in heads))
     return Table(
         "Overview",
         "Median over the parts (least–greatest), a part's value being the mean over its seeds.",
@@ -142,22 +137,20 @@ def overview(found: list[Result]) -> Table:
     )
 
 
-def values(found: list[Result], name: str, key: str) -> list[float]:
-    """Of every part that has one."""
-    return [statistics.mean(own.values()) for own in figures_of(found, name, key).values()]
-
-
 def middle(found: list[Result], name: str) -> float:
     """The median exact CD, infinite where every fit failed."""
-    return statistics.median(values(found, name, CHAMFER) or [math.inf])
+    chamfer = part_values(figures_of(found, name, CHAMFER))
+    return float(np.median(chamfer)) if len(chamfer) else math.inf
 
 
 def judged(found: list[Result], name: str) -> list[Cell]:
     """The cells of a method."""
     failed = sum(one.failed for one in found if one.contender == name)
-    chamfer = [1e3 * value for value in values(found, name, CHAMFER)]
+    chamfer = 1e3 * part_values(figures_of(found, name, CHAMFER))
     right = [value for own in figures_of(found, name, TOPOLOGY).values() for value in own.values()]
-    spread = f"{statistics.median(chamfer):.2f} ({min(chamfer):.2f}–{max(chamfer):.2f})" if chamfer else "–"
+    spread = "–"
+    if len(chamfer):
+        spread = f"{np.median(chamfer):.2f} ({chamfer.min():.2f}–{chamfer.max():.2f})"
     return [Cell(spread), Cell(f"{sum(right):.0f} of {len(right) + failed}"), Cell(str(failed))]
 
 

@@ -73,11 +73,16 @@ def figures_of(found: Sequence[Result], contender: str, key: str) -> Figures:
     return figures
 
 
+def part_values(figures: Figures) -> Values:
+    """A part's value is the mean over its seeds."""
+    return np.array([np.mean(list(own.values())) for own in figures.values()], dtype=np.float64)
+
+
 def summary(figures: Figures, metric: Metric) -> Summary | None:
     """None where there is no value."""
     if not figures:
         return None
-    values = np.array([np.mean(list(own.values())) for own in figures.values()])
+    values = part_values(figures)
     return Summary(
         mean=float(values.mean()),
         deviation=float(values.std(ddof=1)) if len(values) > 1 else None,
