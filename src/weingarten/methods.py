@@ -37,10 +37,6 @@ FIRST_ORDER: dict[Term, Weight] = {
 }
 """Of the recipe: the dear terms on fewer points, for the same mean; its noise is not what limits a fit."""
 
-GAUSSIAN_WEIGHT, STENCIL_WEIGHT = 0.01, 0.1
-"""Greatest weights of Gaussian curvature in the recipe, exact and by differences. |K| is large where the
-young field's gradient is small: with ten times as much these few points steer the fit, and ruin most."""
-
 CURRICULUM: dict[Term, Weight] = {
     CURRICULUM_SURFACE: constant(7000.0),
     OFF_SURFACE_TERM: constant(100.0),
@@ -76,6 +72,11 @@ FD_FIRST_ORDER = siren_loss(SIREN_EIKONAL)
 
 EARLY = Schedule("quintic", ((0.0, 1.0), (0.1, 1.0), (0.3, 0.0)))
 """The recipe's: gone at 30 % of the fit."""
+
+
+GAUSSIAN_WEIGHT, STENCIL_WEIGHT = 0.01, 0.1
+"""Greatest weights of Gaussian curvature in the recipe, exact and by differences. |K| is large where the
+young field's gradient is small; these few points steer a fit, and ten and thirty times as much ruined it."""
 
 
 def recipe(name: str, term: Term, weight: float, calculus: Differentiation, source: str) -> Method:

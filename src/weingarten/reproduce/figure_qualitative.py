@@ -131,9 +131,8 @@ def _drawn(rows: Sequence[Row], headings: Sequence[str], scale: Scale) -> "Figur
     """All pictures, their lines and the scale."""
     side = (style.WIDTH + GAP) / len(headings) - GAP
     size = style.TYPE if len(headings) < 8 else style.SMALL
-    wrapped = [
-        fill(heading, int(INCH * side / (LETTER * size)), break_long_words=False) for heading in headings
-    ]
+    letters = max(1, int(INCH * side / (LETTER * size)))
+    wrapped = [fill(heading, letters, break_long_words=False) for heading in headings]
     above = ABOVE + max(text.count("\n") for text in wrapped) * LINE * size / INCH
     height = above + sum(side * row.shape + BENEATH for row in rows) + KEY
     figure = style.new_figure(height)
