@@ -5,6 +5,7 @@ much again, and a core's cache never holds a whole array. Threads share the inte
 every small operation, so a job should be large, and let go of the interpreter while it computes.
 """
 
+import functools
 from collections import deque
 from collections.abc import Callable, Sequence
 from threading import Condition, Lock, Thread
@@ -127,13 +128,8 @@ class Crew:
         What is computed does not depend on the number of threads.
         """
         grad, answers = torch.is_grad_enabled(), dict[int, Answer]()
-
-        def one(index: int) -> None:
-            with torch.set_grad_enabled(grad):
-                answers[index] = work(tasks[index])
-
-        for index in range(len(tasks)):
-            self.begin(lambda index=index: one(index))
+        for index, task in enumerate(tasks):
+            self.begin(functools.partial(answer, work, task, index, answers, grad))
         self.finish()
         return [answers[index] for index in range(len(tasks))]
 
@@ -172,3 +168,11 @@ class Crew:
 def crew_for(device: torch.device) -> Crew:
     """A thread a core on a CPU, as many as torch may use; elsewhere the calling thread."""
     return Crew(torch.get_num_threads() if device.type == "cpu" else 1)
+
+
+def answer(
+    work: Callable[[Task], Answer], task: Task, index: int, answers: dict[int, Answer], grad: bool
+) -> None:
+    """Note work(task) under its index, with gradients on or off."""
+    with torch.set_grad_enabled(grad):
+        answers[index] = work(task)

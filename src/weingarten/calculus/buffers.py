@@ -26,11 +26,12 @@ class Buffers:
     def take(self, like: Tensor, *shape: int) -> Tensor:
         """An uninitialised tensor of `shape`, of the type and on the device of `like`."""
         count = math.prod(shape)
-        shelf = self.free.setdefault((capacity(count), like.dtype, like.device), [])
+        size = capacity(count)
+        shelf = self.free.setdefault((size, like.dtype, like.device), [])
         try:
             memory = shelf.pop()
         except IndexError:
-            memory = like.new_empty(capacity(count))
+            memory = like.new_empty(size)
         return memory[:count].view(shape)
 
     def give_back(self, *tensors: Tensor) -> None:

@@ -110,20 +110,19 @@ class Piece:
 
     def all(self, jobs: list[Callable[[], None]], then: Callable[[], None]) -> None:
         """Have the crew do the jobs, and the one who does the last of them, `then`."""
-        left = len(jobs)
-
-        def one(job: Callable[[], None]) -> None:
-            nonlocal left
-            job()
-            with self.lock:
-                left -= 1
-                last = left == 0
-            if last:
-                with self.crew.desk:
-                    then()
-
+        self.left = len(jobs)
         for job in jobs:
-            self.crew.begin(functools.partial(one, job))
+            self.crew.begin(functools.partial(self.one, job, then))
+
+    def one(self, job: Callable[[], None], then: Callable[[], None]) -> None:
+        """Do a job, and `then` where no other is left."""
+        job()
+        with self.lock:
+            self.left -= 1
+            last = self.left == 0
+        if last:
+            with self.crew.desk:
+                then()
 
     def turn(self) -> None:
         """Sum the residuals, and send their cotangents back."""
@@ -154,15 +153,16 @@ class Piece:
 def through(crew: Crew, pieces: Sequence[Piece], together: int) -> None:
     """Send pieces through the crew, so many of them at a time."""
     waiting = deque(pieces)
-
-    def send() -> None:
-        if waiting:
-            waiting.popleft().send(send)
-
     with crew.desk:
         for _ in range(together):
-            send()
+            send_next(waiting)
     crew.finish()
+
+
+def send_next(waiting: deque[Piece]) -> None:
+    """Send the first of those that wait, if any does, and the one behind it when it has come to its end."""
+    if waiting:
+        waiting.popleft().send(functools.partial(send_next, waiting))
 
 
 def joined(jets: list[Jet]) -> Jet:
