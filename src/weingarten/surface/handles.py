@@ -50,8 +50,9 @@ greatest slope at a critical point; reaches from where the search began to it.""
 WIDTH, DEPTH = 1.5, 0.3
 """Of the change about a critical point: its radius, and how much greater than |f| it is, in cells."""
 
-AROUND = 4
-"""Nodes on either side of the nearest one that see a change."""
+AROUND = 3
+"""Nodes on either side of the nearest one: those within WIDTH and half a cell change, and the Euler
+characteristic sees the cubes about them."""
 
 
 @dataclass(frozen=True)
