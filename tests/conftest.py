@@ -4,6 +4,10 @@ One torch thread, so that float32 sums add up in the same order on every machine
 """
 
 import os
+
+# before torch reads it; tests run side by side, one on a core, and so do the commands that they begin
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 import shutil
 from collections.abc import Iterator
 from typing import TYPE_CHECKING

