@@ -8,7 +8,8 @@ DATA holds true meshes and index.csv. Every method has the steps of the standard
 `odw` (with --jobs a fit has one thread, and so should that command). `odw-none` has no curvature term.
 LEADERS have three seeds. Marching cubes for all, so that fields are compared and not meshers. OUT begins
 with what results/methods.tar.xz has, which is written anew after every part, by shard 1 alone. --table
-writes results/methods.md. Run it with the Python of the environment that has weingarten.
+writes results/methods.md, and its overview into the rows of docs/choosing-a-method.md. Run it with the
+Python of the environment that has weingarten.
 """
 
 import argparse
@@ -22,6 +23,7 @@ from pathlib import Path
 import numpy as np
 from kept import pack, unpack
 from kinds import CHAMFER, TOPOLOGY, Row, index, kinds_table
+from renewed import renewed
 
 from weingarten.bench.rendering import markdown
 from weingarten.bench.results import Result, results
@@ -34,6 +36,7 @@ from weingarten.report.provenance import commit, machine, today
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(sys.executable).parent / "weingarten"
 ARCHIVE, PAGE = ROOT / "results" / "methods.tar.xz", ROOT / "results" / "methods.md"
+DOCUMENT = ROOT / "docs" / "choosing-a-method.md"
 LEADERS = ("odw-oriented", "singular-hessian", "smaller-curvature", "odw")
 """The best of the first four parts at one seed, and the baseline; no curvature term is with them."""
 BASELINE = "odw"
@@ -127,7 +130,7 @@ def overview(found: list[Result]) -> Table:
     names = dict.fromkeys(one.contender for one in seen["steps"])
     ordered = sorted(names, key=lambda name: middle(seen["steps"], name))
     rows = [(Cell(name), *(cell for of in seen.values() for cell in judged(of, name))) for name in ordered]
-    heads = ("exact CD ×10³", "topology right", "failed")
+    heads = ("exact CD ×10³", "topology right")
     columns = ("", *(f"equal {when}: {head}" for when in VIEWS for head in heads))
     return Table(
         "Overview",
@@ -151,7 +154,8 @@ def judged(found: list[Result], name: str) -> list[Cell]:
     spread = "–"
     if len(chamfer):
         spread = f"{np.median(chamfer):.2f} ({chamfer.min():.2f}–{chamfer.max():.2f})"
-    return [Cell(spread), Cell(f"{sum(right):.0f} of {len(right) + failed}"), Cell(str(failed))]
+    hold = f"{sum(right):.0f} of {len(right) + failed}"
+    return [Cell(spread), Cell(f"{hold}, {failed} failed" if failed else hold)]
 
 
 def view(name: str, found: list[Result], rows: list[Row]) -> str:
@@ -177,7 +181,9 @@ def main() -> int:
     unpack(ARCHIVE, chosen.out)
     if chosen.table:
         PAGE.write_text(page(chosen.data, chosen.out), encoding="utf-8")
-        sys.stdout.write(f"results/{PAGE.name}\n")
+        figures = overview(whole(results(Store(chosen.out))))
+        DOCUMENT.write_text(renewed(DOCUMENT.read_text(encoding="utf-8"), figures), encoding="utf-8")
+        sys.stdout.write(f"results/{PAGE.name} and docs/{DOCUMENT.name}\n")
         return 0
     carry_out(chosen)
     return 0
