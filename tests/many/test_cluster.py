@@ -200,22 +200,44 @@ def rows(out: Path) -> list[dict[str, str]]:
         ]
 
 
-@pytest.mark.slow
-@with_ray
-def test_a_machine_that_dies_costs_nothing_but_time(tmp_path: Path, machines):
-    address, both = machines
-    scans, out = tmp_path / "scans", tmp_path / "cluster"
-    scans.mkdir()
+@pytest.fixture
+def scans(tmp_path: Path) -> Path:
+    """Six scans, and a file that is none."""
+    folder = tmp_path / "scans"
+    folder.mkdir()
     for name in ("block", "bracket", "flange"):
         for seed in (0, 1):
-            write_cloud(scans / f"{name}{seed}.ply", sample_part(name, 2000, seed))
-    (scans / "cut.ply").write_text("ply\n")
-    process = started("fit", scans, "-o", out, "--ray", address, *SHORT)
+            write_cloud(folder / f"{name}{seed}.ply", sample_part(name, 2000, seed))
+    (folder / "cut.ply").write_text("ply\n")
+    return folder
+
+
+def wait_for_work(process: subprocess.Popen, out: Path, machines: list[psutil.Process]) -> None:
+    """Until one fit is done and a machine is at another."""
     deadline = time.monotonic() + 120
-    while not (list(out.glob("*/mesh.ply")) and any(map(at_work, both))):
+    while not (list(out.glob("*/mesh.ply")) and any(map(at_work, machines))):
         assert time.monotonic() < deadline
         assert process.poll() is None
         time.sleep(0.05)
+
+
+def finished(out: Path) -> dict[str, int]:
+    """When the record of every fit that is done was written."""
+    records = {path.parent.name: path for path in out.glob("*/fit.json")}
+    return {
+        name: path.stat().st_mtime_ns
+        for name, path in records.items()
+        if json.loads(path.read_text())["status"] == "done"
+    }
+
+
+@pytest.mark.slow
+@with_ray
+def test_a_machine_that_dies_costs_nothing_but_time(tmp_path: Path, scans: Path, machines):
+    address, both = machines
+    out = tmp_path / "cluster"
+    process = started("fit", scans, "-o", out, "--ray", address, *SHORT)
+    wait_for_work(process, out, both)
     destroy(next(filter(at_work, both)))
     _, errors = process.communicate(timeout=300)
     assert process.returncode == 1, errors
@@ -231,4 +253,32 @@ def test_a_machine_that_dies_costs_nothing_but_time(tmp_path: Path, machines):
             assert (out / folder.name / name).read_bytes() == (folder / name).read_bytes()
     code, _, errors = run("fit", scans, "-o", out, "--quiet", *SHORT)
     assert code == 1
+    assert rows(out) == rows(tmp_path / "here")
+
+
+@pytest.mark.slow
+@with_ray
+def test_a_command_that_dies_costs_the_running_fits_alone(tmp_path: Path, scans: Path, machines):
+    """By signal 9: its cluster stops what it had begun, and the same command goes on."""
+    address, both = machines
+    out = tmp_path / "cluster"
+    words = ("fit", scans, "-o", out, "--ray", address, *SHORT)
+    process = started(*words)
+    wait_for_work(process, out, both)
+    process.kill()
+    process.communicate()
+    before = finished(out)
+    assert 0 < len(before) < 6
+    deadline = time.monotonic() + 60
+    while any(map(at_work, both)):
+        assert time.monotonic() < deadline, "the cluster works for nobody"
+        time.sleep(0.05)
+    assert finished(out) == before
+    code, _, errors = run(*words)
+    assert code == 1, errors
+    after = finished(out)
+    assert len(after) == 6
+    assert {name: after[name] for name in before} == before
+    code, _, errors = run("fit", scans, "-o", tmp_path / "here", "--jobs", 1, "--cpus-per-fit", 1, *SHORT)
+    assert code == 1, errors
     assert rows(out) == rows(tmp_path / "here")
