@@ -116,3 +116,12 @@ def test_a_stencils_distance_can_be_scheduled():
         resolve(method="odw", stencil=((0.0, 0.1),))
     with pytest.raises(OptionError, match="above zero"):
         resolve(method="odw-fd", stencil=((0.0, 0.1), (1.0, 0.0))).resolved_method().calculus(field)
+
+
+def test_weights_that_were_made_for_another_optimiser_are_a_note():
+    (note,) = resolve(method="neurcadrecon").notes
+    assert "--preset paper" in note
+    assert not resolve(preset="paper", method="neurcadrecon").notes
+    for preset in PRESETS:
+        assert not resolve(preset=preset).notes
+        assert not resolve(preset=preset, method="igr").notes

@@ -28,7 +28,8 @@ class Method:
 
     knowledge: what is known of the points that are drawn. preparation: what is done about a scan's
     outliers and noise before. field: from width, depth, ω₀ of the preset, and the generator. rates: its
-    learning rate by the optimiser's name, where the preset's is not for its field.
+    learning rate by the optimiser's name, where the preset's is not for its field. made_for: name of the
+    optimiser that its weights are for; empty where they are for any.
     scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise; None where there
     is no curvature term.
     """
@@ -42,6 +43,7 @@ class Method:
     preparation: Preparation = AS_GIVEN
     field: FieldMaker = Siren
     rates: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    made_for: str = ""
 
     def scheduling(self, name: str) -> "Method":
         """The same method with another scheduled term. Raises OptionError for one that it has not."""

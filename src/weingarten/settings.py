@@ -67,6 +67,18 @@ class Settings:
         """The method's field at this fit's size, with first weights drawn from the generator."""
         return self.resolved_method().field(self.width, self.depth, self.frequency, generator)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to know before the first step: weights that were made for another preset's optimiser."""
+        made_for = method_named(self.method).made_for
+        if made_for in ("", self.optimiser):
+            return ()
+        preset = next(name for name, other in PRESETS.items() if other.optimiser == made_for)
+        return (
+            f"The weights of {self.method} were made for --preset {preset}, of smaller steps; "
+            f"with {self.preset} its field may lose the part.",
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values, knots as [time, weight] pairs."""
         lists = {"knots": self.knots, "stencil": self.stencil}

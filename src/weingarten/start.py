@@ -84,7 +84,7 @@ class Start:
         if device.type == "cuda":
             draws.move(device)
             generator = torch.Generator(device).manual_seed(settings.seed)
-        said = (*diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
+        said = (*settings.notes, *diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
         noise = noise_level(given, tree if given is settled.points else KDTree(given))
         rims = tuple(frame.to_world(settled.points[rim]) for rim in settled.rims)
         against = doubts(settled.noise, draws.known, rims, frame.scale)
