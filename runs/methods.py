@@ -96,10 +96,10 @@ VIEWS = {"steps": at_equal_steps, "time": at_equal_time}
 def whole(found: list[Result]) -> list[Result]:
     """Those of parts that all contenders have had: means over different parts cannot be compared."""
     contenders: dict[str, set[str]] = {}
-    for one in found:
+    for one in (one for one in found if one.good or one.failed):
         contenders.setdefault(one.part, set()).add(one.contender)
     most = max(map(len, contenders.values()), default=0)
-    return [one for one in found if len(contenders[one.part]) == most]
+    return [one for one in found if len(contenders.get(one.part, ())) == most]
 
 
 def page(data: Path, out: Path) -> str:
