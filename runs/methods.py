@@ -96,15 +96,19 @@ VIEWS = {"steps": at_equal_steps, "time": at_equal_time}
 def whole(found: list[Result]) -> list[Result]:
     """Those of parts that all contenders have had: means over different parts cannot be compared."""
     contenders: dict[str, set[str]] = {}
-    for one in (one for one in found if one.good or one.failed):
+    for one in found:
         contenders.setdefault(one.part, set()).add(one.contender)
     most = max(map(len, contenders.values()), default=0)
-    return [one for one in found if len(contenders.get(one.part, ())) == most]
+    return [one for one in found if len(contenders[one.part]) == most]
 
 
-def page(data: Path, out: Path) -> str:
+def known(out: Path) -> list[Result]:
+    """What has ended, of whole parts; a fit that is begun and not judged has no figures yet."""
+    return whole([one for one in results(Store(out)) if one.good or one.failed])
+
+
+def page(found: list[Result], rows: list[Row]) -> str:
     """The tables of what there is."""
-    found = whole(results(Store(out)))
     parts = sorted({one.part for one in found})
     commits = sorted({str(one.fit.get("commit")) for one in found})
     own = sorted({one.contender for one in found if "@" in one.contender})
@@ -119,7 +123,6 @@ def page(data: Path, out: Path) -> str:
         f"- steps in the time of `{BASELINE}`: {', '.join(own)}; all others as many as it has",
         "",
     ]
-    rows = index(data)
     head.append(markdown(overview(found)))
     return "\n".join([*head, *(view(name, seen(found), rows) for name, seen in VIEWS.items())])
 
@@ -180,9 +183,10 @@ def main() -> int:
     chosen.out.mkdir(parents=True, exist_ok=True)
     unpack(ARCHIVE, chosen.out)
     if chosen.table:
-        PAGE.write_text(page(chosen.data, chosen.out), encoding="utf-8")
-        figures = overview(whole(results(Store(chosen.out))))
-        DOCUMENT.write_text(renewed(DOCUMENT.read_text(encoding="utf-8"), figures), encoding="utf-8")
+        found = known(chosen.out)
+        PAGE.write_text(page(found, index(chosen.data)), encoding="utf-8")
+        text = renewed(DOCUMENT.read_text(encoding="utf-8"), overview(found))
+        DOCUMENT.write_text(text, encoding="utf-8")
         sys.stdout.write(f"results/{PAGE.name} and docs/{DOCUMENT.name}\n")
         return 0
     carry_out(chosen)

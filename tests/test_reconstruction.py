@@ -26,7 +26,7 @@ def ball(count: int, radius: float, centre: float) -> np.ndarray:
     return radius * directions / np.linalg.norm(directions, axis=1, keepdims=True) + centre
 
 
-@pytest.mark.parametrize(("radius", "centre"), [(0.5, 1e6), (5e-6, 1e-3)])
+@pytest.mark.parametrize(("radius", "centre"), [(1.0, 0.0), (0.5, 1e6), (5e-6, 1e-3)])
 def test_mesh_comes_back_in_the_clouds_frame_and_unit(radius, centre):
     points = ball(3000, radius, centre)
     result = wg.reconstruct(points, wg.resolve(**SHORT))
