@@ -50,9 +50,9 @@ greatest slope at a critical point; reaches from where the search began to it.""
 WIDTH, DEPTH = 1.5, 0.3
 """Of the change about a critical point: its radius, and how much greater than |f| it is, in cells."""
 
-AROUND = 3
-"""Nodes on either side of the nearest one: those within WIDTH and half a cell change, and the Euler
-characteristic sees the cubes about them."""
+AROUND = 2
+"""Nodes on either side of the nearest one: those nearer than WIDTH change, which is that one and its
+neighbours, and the Euler characteristic sees the cubes about them."""
 
 
 @dataclass(frozen=True)
@@ -123,17 +123,19 @@ def loose(found: Saddles, values: Values, lattice: Lattice) -> Saddles:
     nodes about it, but for those within its radius of an earlier one: a handle has many critical points.
     """
     kept = np.zeros(len(found.values), dtype=bool)
-    about = np.indices((2 * AROUND + 1,) * 3).reshape(3, -1).T - AROUND
+    side = 2 * AROUND + 1
+    about = np.indices((side,) * 3).reshape(3, -1).T - AROUND
+    nodes = np.round(lattice.places(found.places))[:, None] + about
+    blocks = lattice.positions(nodes.reshape(-1, 3))
+    own = at(values, blocks).reshape(-1, len(about))
+    blocks = blocks.reshape(-1, len(about), 3)
     for i, place in enumerate(found.places):
         if kept.any() and cdist(found.places[kept], place[None]).min() < WIDTH * lattice.step:
             continue
-        nodes = np.round(lattice.places(place[None])) + about
-        block = lattice.positions(nodes)
-        own = at(values, block)
         eulers = []
         for chosen in (kept, kept | (np.arange(len(kept)) == i)):
-            bumps = Mended(values, found.of(chosen), lattice.step).bumps(block) if chosen.any() else 0.0
-            eulers.append(euler((own - bumps < 0.0).reshape((2 * AROUND + 1,) * 3)))
+            bumps = Mended(values, found.of(chosen), lattice.step).bumps(blocks[i]) if chosen.any() else 0.0
+            eulers.append(euler((own[i] - bumps < 0.0).reshape((side,) * 3)))
         kept[i] = eulers[1] == eulers[0] + 1
     return found.of(kept)
 
