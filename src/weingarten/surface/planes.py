@@ -35,7 +35,7 @@ BENT = 6.0
 WORTH = 10.0
 """Of a plane that is known otherwise: some ten lattice edges have a crossing where a cloud has a point."""
 
-MOST, SHIFTS, PIECE = 96, 5, 20_000
+MOST, SHIFTS, PIECE = 96, 5, 2_000
 """Neighbours at most; mean shifts; points at a time."""
 
 
@@ -71,23 +71,24 @@ def unrounded(planes: Planes, known: Planes = NOTHING) -> tuple[Points, Points]:
         return points, normals
     trust = np.concatenate([planes.trust, WORTH * known.trust])
     beside = np.concatenate([planes.points, known.points])
-    facing = np.concatenate([planes.normals, known.normals])
+    facing = np.concatenate([planes.normals, known.normals]).T.copy()
     tree = KDTree(beside)
     for piece in np.array_split(bent, -(-len(bent) // PIECE)):
-        distance, around = tree.query(planes.points[piece], k=MOST, distance_upper_bound=REACH, workers=-1)
+        own = planes.points[piece]
+        distance, around = tree.query(own, k=MOST, distance_upper_bound=REACH, workers=-1)
         there = np.isfinite(distance)
         around = np.where(there, around, piece[:, None])
-        near = np.where(there, np.exp(-0.5 * (np.where(there, distance, 0.0) / SPREAD) ** 2), 0.0)
-        chord = beside[around] - planes.points[piece][:, None]
-        found = shifted(planes.normals[piece], facing[around], chord, near * trust[around])
-        points[piece], normals[piece] = planes.points[piece] + found[0], found[1]
+        share = np.exp(-0.5 * (distance / SPREAD) ** 2) * trust[around]
+        chord = beside.T[:, around] - own.T[:, :, None]
+        points[piece], normals[piece] = shifted(planes.normals[piece], facing[:, around], chord, share)
+        points[piece] += own
     return points, normals
 
 
 def shifted(
     mode: Points,
-    normals: Float64[np.ndarray, "m k 3"],
-    chord: Float64[np.ndarray, "m k 3"],
+    normals: Float64[np.ndarray, "3 m k"],
+    chord: Float64[np.ndarray, "3 m k"],
     share: Float64[np.ndarray, "m k"],
 ) -> tuple[Points, Points]:
     """t m and m of some planes.
@@ -96,20 +97,23 @@ def shifted(
     stays.
     """
     for _ in range(SHIFTS):
-        total = np.einsum("mk,mkc->mc", weights(mode, normals, share), normals)
+        total = np.einsum("mk,cmk->mc", weights(mode, normals, share), normals)
         length = np.linalg.norm(total, axis=1, keepdims=True)
         mode = np.where(length > 0.0, total / np.maximum(length, 1e-300), mode)
     weight = weights(mode, normals, share)
-    mean = 0.5 * (mode[:, None] + normals)
-    above = np.einsum("mk,mkc,mkc->m", weight, mean, chord)
-    whole = np.einsum("mk,mkc,mc->m", weight, mean, mode)
+    above = 0.5 * np.einsum("mk,mk->m", weight, along(mode, chord) + np.einsum("cmk,cmk->mk", normals, chord))
+    whole = 0.5 * np.einsum("mk,mk->m", weight, 1.0 + along(mode, normals))
     move = np.divide(above, whole, out=np.zeros_like(above), where=whole > 1e-9)
     return move.clip(-0.5 * REACH, 0.5 * REACH)[:, None] * mode, mode
 
 
 def weights(
-    mode: Float64[np.ndarray, "m 3"], normals: Float64[np.ndarray, "m k 3"], share: Float64[np.ndarray, "m k"]
+    mode: Points, normals: Float64[np.ndarray, "3 m k"], share: Float64[np.ndarray, "m k"]
 ) -> Float64[np.ndarray, "m k"]:
-    """w, with normals far from the mode left out."""
-    away = ((normals - mode[:, None]) ** 2).sum(axis=-1)
-    return share * np.exp(-0.5 * away / TURN**2)
+    """w, with normals far from the mode left out: ‖n − m‖² = 2 − 2 n·m."""
+    return share * np.exp((along(mode, normals) - 1.0) / TURN**2)
+
+
+def along(mode: Points, vectors: Float64[np.ndarray, "3 m k"]) -> Float64[np.ndarray, "m k"]:
+    """Their components along the mode."""
+    return np.einsum("mc,cmk->mk", mode, vectors)
