@@ -7,6 +7,8 @@ import os
 
 # before torch reads it; tests run side by side, one on a core, and so do the commands that they begin
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# else every command that tests begin would compile the whole package anew
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import shutil
 from collections.abc import Iterator

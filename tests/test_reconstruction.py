@@ -16,7 +16,7 @@ from weingarten.samples.parts import part_mesh, sample_part
 from weingarten.scan import thinning
 from weingarten.world_field import WorldField
 
-SHORT = {"steps": 200, "points": 1000, "resolution": 48}
+SHORT = {"steps": 200, "points": 1000, "resolution": 32}
 """With 400 points a step, whether a ball of so few steps is one body depends on rounding."""
 
 
@@ -65,7 +65,7 @@ class Impatient(Observer):
 
 def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, monkeypatch):
     monkeypatch.setattr(thinning, "MOST_POINTS", 1500)
-    points, settings = ball(4000, 2.0, 5.0), wg.resolve(steps=40, points=200, resolution=32)
+    points, settings = ball(4000, 2.0, 5.0), wg.resolve(steps=40, points=200, resolution=24, sharp=False)
     whole = wg.reconstruct(points, settings)
     assert whole.summary.points == 4000
     assert any("1,500 of the 4,000 points" in note for note in whole.summary.notes)
@@ -77,14 +77,15 @@ def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, m
     resumed = wg.reconstruct(points, settings, run_folder=tmp_path / "run", resume=True)
     np.testing.assert_array_equal(resumed.mesh.vertices, whole.mesh.vertices)
     np.testing.assert_array_equal(resumed.mesh.faces, whole.mesh.faces)
-    again, _ = remesh(*opened(tmp_path / "run"), torch.device("cpu"), 32)
+    again, _ = remesh(*opened(tmp_path / "run"), torch.device("cpu"), 24)
     np.testing.assert_array_equal(again.vertices, whole.mesh.vertices)
 
 
 def test_surface_that_was_not_scanned_is_called_a_guess():
     points = ball(3000, 2.0, 5.0)
     cut, observer = points[points[:, 2] < 6.0], Impatient(1000)
-    summary = wg.reconstruct(cut, wg.resolve(steps=40, points=200, resolution=32), observer=observer).summary
+    settings = wg.resolve(steps=40, points=200, resolution=24, sharp=False)
+    summary = wg.reconstruct(cut, settings, observer=observer).summary
     assert summary.guessed > 0.02
     assert any("a guess" in doubt for doubt in summary.doubts)
     assert set(summary.doubts) <= set(observer.notes)

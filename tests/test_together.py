@@ -10,7 +10,7 @@ from weingarten.errors import CloudError, ExtractionError, FitError, OptionError
 from weingarten.observer import Observer
 from weingarten.samples.parts import sample_part
 
-BRIEF = {"steps": 6, "points": 100, "resolution": 16}
+BRIEF = {"steps": 6, "points": 100, "resolution": 16, "sharp": False}
 
 
 def ball(count: int, radius: float, centre: float) -> np.ndarray:

@@ -275,7 +275,7 @@ def test_parts_of_one_contender_and_seed_go_together(tmp_path, parts, cast):
 
 
 def test_an_ensemble_makes_what_each_fit_makes_alone(tmp_path, parts):
-    short = resolve(steps=20, points=100, resolution=24)
+    short = resolve(steps=20, points=100, resolution=16, sharp=False)
     carried_out(tmp_path, parts, [Neural("alone", short)])
     carried_out(tmp_path, parts, [Neural("together", short)], together=2)
     store = Store(tmp_path / "out")

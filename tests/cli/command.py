@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 PROGRAM = "from weingarten.cli.main import command; command()"
-SMALL = ["--points-per-step", "200", "--resolution", "48"]
+SMALL = ["--points-per-step", "200", "--resolution", "24"]
 
 
 def started(*words: object, **options) -> subprocess.Popen:

@@ -14,7 +14,9 @@ import trimesh
 sys.path.insert(0, str(Path(__file__).parent))
 from command import run, started
 
-SHORT = ["--steps", "30", "--points-per-step", "200", "--resolution", "32", "--points", "2000"]
+from weingarten.cli.main import main
+
+SHORT = ["--steps", "30", "--points-per-step", "200", "--resolution", "16", "--points", "1000"]
 
 
 @pytest.fixture
@@ -93,9 +95,9 @@ def test_a_kill_costs_the_running_fit_alone(tmp_path: Path, data: Path):
         (["--steps", "0"], "--steps"),
     ],
 )
-def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[str], sentence: str):
-    code, _, errors = run("bench", data, "--out", tmp_path / "out", *options)
-    assert code == 2
+def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[str], sentence: str, capsys):
+    assert main(["bench", str(data), "--out", str(tmp_path / "out"), *options]) == 2
+    errors = capsys.readouterr().err
     assert sentence in errors
     assert len(errors.strip().splitlines()) == 1
     assert not (tmp_path / "out").exists()

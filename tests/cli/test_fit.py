@@ -24,8 +24,6 @@ from weingarten.metrics.distance import closest
 from weingarten.metrics.topology import topology
 from weingarten.samples.parts import sample_part
 
-COARSE = ["--points-per-step", "200", "--resolution", "24"]
-
 
 @pytest.fixture(scope="module")
 def cloud(tmp_path_factory) -> Path:
@@ -96,7 +94,7 @@ def test_the_record_holds_the_command_that_makes_it_again(finished, cloud):
     assert again[:2] == ["weingarten", "fit"]
     options = parser().parse_args(again[1:])
     assert (options.cloud, options.output, options.folder) == (cloud, folder / "part.stl", folder / "run")
-    assert (options.steps, options.points_per_step, options.resolution) == (60, 200, 48)
+    assert (options.steps, options.points_per_step, options.resolution) == (60, 200, 24)
     assert {"version", "commit", "machine", "date", "device"} < made.keys()
 
 
@@ -120,18 +118,18 @@ def test_same_input_and_seed_give_the_same_bytes(finished, cloud, tmp_path):
 
 def test_mesh_extracts_again_at_any_resolution(finished, tmp_path):
     folder = finished[0]
-    code, out, _ = run("mesh", folder / "run", "-o", tmp_path / "same.stl", "--resolution", 48)
+    code, out, _ = run("mesh", folder / "run", "-o", tmp_path / "same.stl", "--resolution", 24)
     assert code == 0
     assert "step 60 of 60" in out
     assert (tmp_path / "same.stl").read_bytes() == (folder / "part.stl").read_bytes()
-    assert main(["mesh", str(folder / "run"), "-o", str(tmp_path / "fine.ply"), "--resolution", "80"]) == 0
+    assert main(["mesh", str(folder / "run"), "-o", str(tmp_path / "fine.ply"), "--resolution", "40"]) == 0
     assert len(read_mesh(tmp_path / "fine.ply").faces) > 2 * len(read_mesh(tmp_path / "same.stl").faces)
 
 
 def test_mesh_extracts_again_without_sharp_edges(finished, tmp_path):
     folder = finished[0]
     code, _, _ = run(
-        "mesh", folder / "run", "-o", tmp_path / "plain.ply", "--resolution", 48, "--sharp", "off"
+        "mesh", folder / "run", "-o", tmp_path / "plain.ply", "--resolution", 24, "--sharp", "off"
     )
     assert code == 0
     sharp, plain = read_mesh(folder / "part.stl"), read_mesh(tmp_path / "plain.ply")
@@ -142,7 +140,7 @@ def test_mesh_extracts_again_without_sharp_edges(finished, tmp_path):
 def test_surface_far_from_the_points_is_left_out_on_demand(finished, cloud, tmp_path):
     folder, points = finished[0] / "run", read_points(cloud)
     size = np.ptp(points, axis=0).max()
-    words = ["-o", tmp_path / "open.ply", "--resolution", 48, "--trim-distance"]
+    words = ["-o", tmp_path / "open.ply", "--resolution", 24, "--trim-distance"]
     code, _, _ = run("mesh", folder, *words, 0.03 * size)
     assert code == 0
     whole, part = read_mesh(finished[0] / "part.stl"), read_mesh(tmp_path / "open.ply")
@@ -181,7 +179,7 @@ def test_triangles_are_fewer_on_demand(tmp_path):
 
 @pytest.mark.parametrize("method", ["digs", "hash-grid"])
 def test_a_fit_with_sharp_edges_is_that_of_its_run_folder(method, cloud, tmp_path):
-    words = ["--method", method, "--steps", "30", *COARSE, "--quiet", "--sharp", "on"]
+    words = ["--method", method, "--steps", "30", *SMALL, "--quiet", "--sharp", "on"]
     assert (
         main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
     )
@@ -194,7 +192,7 @@ def test_a_fit_with_sharp_edges_is_that_of_its_run_folder(method, cloud, tmp_pat
 
 @pytest.mark.parametrize("method", ["digs", "steik", "sal", "hash-grid"])
 def test_fields_of_every_kind_come_back_from_their_checkpoints(method, cloud, tmp_path):
-    words = ["--method", method, "--steps", "30", *COARSE, "--quiet"]
+    words = ["--method", method, "--steps", "30", *SMALL, "--quiet"]
     assert (
         main(["fit", str(cloud), "-o", str(tmp_path / "a.stl"), "--run", str(tmp_path / "run"), *words]) == 0
     )

@@ -17,7 +17,7 @@ from weingarten.fit.run_folder import RunFolder
 from weingarten.methods import METHODS
 from weingarten.observer import Observer
 
-SHORT = {"method": "odw", "steps": 24, "points": 100, "resolution": 24}
+SHORT = {"method": "odw", "steps": 24, "points": 100, "resolution": 24, "sharp": False}
 
 
 class Impatient(Observer):

@@ -14,7 +14,7 @@ from weingarten.reconstruction import Result
 from weingarten.samples.parts import sample_part
 from weingarten.settings import resolve
 
-SHORT = resolve(steps=12, points=60, resolution=24)
+SHORT = resolve(steps=12, points=60, resolution=24, sharp=False)
 
 
 class Puller(Observer):
