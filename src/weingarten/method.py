@@ -29,7 +29,7 @@ class Method:
     knowledge: what is known of the points that are drawn. preparation: what is done about a scan's
     outliers and noise before. field: from width, depth, ω₀ of the preset, and the generator. rates: its
     learning rate by the optimiser's name, where the preset's is not for its field. made_for: name of the
-    optimiser that its weights are for; empty where they are for any.
+    preset whose optimiser its weights are for; empty where they are for any.
     scheduled: the term whose weight `--schedule` and `--knots` set, unless told otherwise; None where there
     is no curvature term.
     """

@@ -96,7 +96,7 @@ def published(
     field: FieldMaker = Siren,
 ) -> Method:
     """A method as its authors have it: nothing known but the points, the term on all of its points."""
-    return Method(name, {**first_order, term: weight}, calculus, source, term, field=field, made_for="adam")
+    return Method(name, {**first_order, term: weight}, calculus, source, term, field=field, made_for="paper")
 
 
 ODW, FRAME_FREE, GAUSSIAN = OFF_DIAGONAL_WEINGARTEN, FRAME_FREE_WEINGARTEN, GAUSSIAN_CURVATURE
@@ -193,7 +193,7 @@ METHODS = {
             exact,
             "arXiv 2309.01793",
         ),
-        Method("siren", DIGS, exact, "arXiv 2006.09661, without normals", None, made_for="adam"),
+        Method("siren", DIGS, exact, "arXiv 2006.09661, without normals", None, made_for="paper"),
         published("odw-paper", PAPER_FIRST_ORDER, ODW, QUINTIC, exact, "arXiv 2511.03147"),
         published("odw-paper-fd", PAPER_FIRST_ORDER, ODW, QUINTIC, FLATCAD, "arXiv 2511.03147"),
         published("flatcad", CODE_FIRST_ORDER, ODW, TEN, exact, "arXiv 2506.16627"),

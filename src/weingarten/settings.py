@@ -71,11 +71,10 @@ class Settings:
     def notes(self) -> tuple[str, ...]:
         """What to know before the first step: weights that were made for another preset's optimiser."""
         made_for = method_named(self.method).made_for
-        if made_for in ("", self.optimiser):
+        if not made_for or PRESETS[made_for].optimiser == self.optimiser:
             return ()
-        preset = next(name for name, other in PRESETS.items() if other.optimiser == made_for)
         return (
-            f"The weights of {self.method} were made for --preset {preset}, of smaller steps; "
+            f"The weights of {self.method} were made for --preset {made_for}, of smaller steps; "
             f"with {self.preset} its field may lose the part.",
         )
 
