@@ -6,6 +6,7 @@ import torch
 from torch import nn
 
 import weingarten as wg
+from weingarten import reconstruction
 from weingarten.fit.loop import Record
 from weingarten.fit.run_folder import opened
 from weingarten.frame import Frame
@@ -47,6 +48,17 @@ def test_the_same_part_in_another_unit_is_the_same_mesh():
     np.testing.assert_allclose(there.vertices, here.vertices * 1024.0, rtol=1e-12, atol=1e-9)
 
 
+class Ball(nn.Module):
+    """A sphere's exact field whose radius is learned."""
+
+    def __init__(self, radius: float) -> None:
+        super().__init__()
+        self.radius = nn.Parameter(torch.tensor(radius))
+
+    def forward(self, points: torch.Tensor) -> torch.Tensor:
+        return points.norm(dim=-1) - self.radius
+
+
 class Impatient(Observer):
     """Stops after some steps, and hears the notes."""
 
@@ -61,6 +73,16 @@ class Impatient(Observer):
 
     def interrupted(self) -> bool:
         return self.left <= 0
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("own", [True, False])
+def test_only_a_fit_that_has_to_compile_says_so(compiled, own, monkeypatch):
+    monkeypatch.setattr(reconstruction, "is_compiled", lambda: compiled)
+    observer, settings = Impatient(1), wg.resolve(steps=2, points=20, resolution=16, sharp=False)
+    module = Ball(0.9) if own else None
+    wg.reconstruct(ball(500, 2.0, 5.0), settings, module=module, observer=observer)
+    assert any("Compiling" in note for note in observer.notes) == (not compiled and not own)
 
 
 def test_a_large_cloud_is_fitted_to_a_part_of_it_and_measured_by_all(tmp_path, monkeypatch):
@@ -90,17 +112,6 @@ def test_surface_that_was_not_scanned_is_called_a_guess():
     assert any("a guess" in doubt for doubt in summary.doubts)
     assert set(summary.doubts) <= set(observer.notes)
     assert summary.as_dict()["doubts"] == list(summary.doubts)
-
-
-class Ball(nn.Module):
-    """A sphere's exact field whose radius is learned."""
-
-    def __init__(self, radius: float) -> None:
-        super().__init__()
-        self.radius = nn.Parameter(torch.tensor(radius))
-
-    def forward(self, points: torch.Tensor) -> torch.Tensor:
-        return points.norm(dim=-1) - self.radius
 
 
 def test_any_torch_module_can_be_fitted():

@@ -1,6 +1,7 @@
 """Functions that numba compiles to machine code when they are first called."""
 
 import os
+from pathlib import Path
 from typing import Any
 
 from numba import config, njit
@@ -23,3 +24,9 @@ def machine_code(fastmath: bool | set[str]) -> Any:
             return njit(**options)(function)
 
     return decorated
+
+
+def is_kept(function: Any) -> bool:
+    """Whether machine code of a function lies on disk, so that its first call need not compile."""
+    folder = function.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{function.__name__}-*.nbi"))

@@ -10,6 +10,8 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 from torch import nn
 
+from weingarten.calculus.choice import exact
+from weingarten.calculus.native import Native, is_compiled
 from weingarten.crew import THREADS, Crew, crew_for
 from weingarten.device import chosen_device
 from weingarten.errors import FitError
@@ -45,6 +47,9 @@ Points = Float64[np.ndarray, "n 3"]
 
 CHECKPOINT_SECONDS = 2.0
 """Seconds between checkpoints: what a kill can lose."""
+
+COMPILING = "Compiling for this processor, which takes ten seconds or more before the first fit alone."
+"""Said of a silence in which nothing else could be told from a program that hangs."""
 
 
 @dataclass(frozen=True)
@@ -141,6 +146,8 @@ def reconstruct(
         for note in start.notes:
             observer.note(note)
         keeper.begin(origin, start.cloud, found)
+        if isinstance(exact(loop.field), Native) and not is_compiled():
+            observer.note(COMPILING)
         observer.expect(estimate(loop, origin.cells), settings.steps)
         clock.phase("fitting")
         finished, loss = fit(loop, origin, keeper, observer, oracle)

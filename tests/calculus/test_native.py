@@ -12,6 +12,7 @@ from weingarten.calculus.jet import GRADIENT, TANGENT, VALUE
 from weingarten.calculus.native import Native
 from weingarten.crew import Crew
 from weingarten.fields.siren import Siren
+from weingarten.machine_code import is_kept
 
 OUTPUTS = {VALUE: 1, GRADIENT: 2, TANGENT: 5}
 
@@ -225,3 +226,18 @@ def test_without_a_place_to_keep_machine_code_it_is_compiled_anew():
     names = {}
     exec("def doubled(x):\n    return 2 * x", names)  # of no file, so there is nowhere to keep it beside
     assert kernels.machine_code(fastmath=True)(names["doubled"])(21) == 42
+
+
+def test_whether_machine_code_is_kept_is_known_before_it_is_called(tmp_path, monkeypatch):
+    (tmp_path / "doubling.py").write_text("def doubled(x):\n    return 2 * x\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    from doubling import doubled
+
+    first = kernels.machine_code(fastmath=True)(doubled)
+    assert not is_kept(first)
+    first(21)
+    assert is_kept(first)
+    assert is_kept(kernels.machine_code(fastmath=True)(doubled)), "as another process finds it"
+    nowhere = {}
+    exec("def doubled(x):\n    return 2 * x", nowhere)
+    assert not is_kept(kernels.machine_code(fastmath=True)(nowhere["doubled"]))

@@ -17,6 +17,7 @@ from weingarten.calculus.evaluation import Bars, Evaluation, Taped
 from weingarten.calculus.jet import TANGENT, TENSORS, VALUE, Jet
 from weingarten.calculus.kernels import COLUMNS, KEPT, PANEL, PASSING, STREAMS, Gradients, Weights
 from weingarten.fields.siren import Siren
+from weingarten.machine_code import is_kept
 
 
 class Native:
@@ -78,6 +79,11 @@ class Native:
 def suits(field: Siren) -> bool:
     """Whether Native can differentiate it."""
     return all(weight.dtype is torch.float32 and weight.device.type == "cpu" for weight in field.parameters())
+
+
+def is_compiled() -> bool:
+    """Whether an earlier process has left the machine code; else the first pass takes ten seconds or more."""
+    return is_kept(kernels.backward)
 
 
 def scaled(field: Siren) -> Weights:
