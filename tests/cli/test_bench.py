@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,12 @@ import trimesh
 sys.path.insert(0, str(Path(__file__).parent))
 from command import run, started
 
+from weingarten.bench import job
 from weingarten.cli.main import main
+from weingarten.many.workers import Workers
+from weingarten.metrics.exact import Exact
+from weingarten.metrics.field_error import Field
+from weingarten.metrics.published import Published
 
 SHORT = ["--steps", "30", "--points-per-step", "200", "--resolution", "16", "--points", "1000"]
 
@@ -103,10 +109,36 @@ def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[
     assert not (tmp_path / "out").exists()
 
 
-def test_the_papers_tables_and_figures(tmp_path: Path, data: Path):
+class Here(Workers):
+    """Fits in this process."""
+
+    def perform(self, batches, watcher) -> None:
+        for batch in batches:
+            watcher.begin(batch)
+            job.perform(batch)
+            watcher.end(batch)
+
+
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable:
+    """The command in this process, where few samples judge a fit: exit code, standard output and error."""
+    monkeypatch.setattr("weingarten.many.workers.Workers", Here)
+    monkeypatch.setattr(job, "PUBLISHED", Published(samples=5000))
+    monkeypatch.setattr(job, "EXACT", Exact(samples=5000, edge_samples=500))
+    monkeypatch.setattr(job, "FIELD", Field(samples=2000))
+
+    def command(*words: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        code = main([str(word) for word in words])
+        return code, *capsys.readouterr()
+
+    return command
+
+
+def test_the_papers_tables_and_figures(tmp_path: Path, data: Path, here: Callable):
     out = tmp_path / "out"
     words = ("reproduce", "tables", "--data", data, "--out", out, "--parts", "block", "--seeds", "1", *SHORT)
-    code, text, errors = run(*words)
+    code, text, errors = here(*words)
     assert code == 0, errors
     page = (out / "paper-tables.md").read_text()
     for name in ("Table 1.", "Table 2.", "| step-next |", "| decreasing |", "98.01 (1.46)", "| ceiling |"):
@@ -116,10 +148,10 @@ def test_the_papers_tables_and_figures(tmp_path: Path, data: Path):
     assert {"odw-constant-w10", "odw-increasing-w10", "odw", "odw-none"} <= found
     weights = json.loads((out / "fits/block/odw-quintic-w10/seed0/fit.json").read_text())["settings"]["knots"]
     assert weights == [[0.0, 10.0], [0.2, 10.0], [0.5, 0.001], [1.0, 0.0]]
-    code, _, errors = run(*words)
+    code, _, errors = here(*words)
     assert code == 0
     assert f"{len(found)} of them done before" in errors
-    code, text, errors = run("reproduce", "figures", *words[2:8], *SHORT)
+    code, text, errors = here("reproduce", "figures", *words[2:8], *SHORT)
     assert code == 0, errors
     assert f"{len(found) - 1} of them done before" in errors
     made = sorted(path.name for path in (out / "figures").iterdir())
@@ -128,17 +160,17 @@ def test_the_papers_tables_and_figures(tmp_path: Path, data: Path):
     assert all(f"{out}/figures/{name}" in text for name in made)
 
 
-def test_figures_without_parts_and_with_wrong_ones(tmp_path: Path, data: Path):
+def test_figures_without_parts_and_with_wrong_ones(tmp_path: Path, data: Path, here: Callable):
     out = tmp_path / "out"
     code, _, errors = run("reproduce", "figures", "--out", out)
     assert code == 0
     assert "Figure 3" in errors
     assert len(list((out / "figures").iterdir())) == 6
-    code, _, errors = run("reproduce", "figures", "--out", tmp_path / "b", "--data", tmp_path / "nowhere")
+    code, _, errors = here("reproduce", "figures", "--out", tmp_path / "b", "--data", tmp_path / "nowhere")
     assert code == 2
     assert len(errors.strip().splitlines()) == 1
     assert not (tmp_path / "b").exists()
     (tmp_path / "c").write_text("")
-    code, _, errors = run("reproduce", "figures", "--out", tmp_path / "c")
+    code, _, errors = here("reproduce", "figures", "--out", tmp_path / "c")
     assert code == 2
     assert "cannot be made" in errors
