@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from weingarten.bench import job as work
+sys.path.insert(0, str(Path(__file__).parent))
+from here import Here, judge_by_few
+
 from weingarten.bench.contender import Contender, Neural
 from weingarten.bench.parts import Part, parts_in
 from weingarten.bench.results import results, write_results
@@ -20,8 +22,6 @@ from weingarten.many.job import failure
 from weingarten.many.parcel import Parcel, unpack
 from weingarten.many.runner import Watcher
 from weingarten.many.workers import Workers, last_step, perform
-from weingarten.metrics.exact import Exact
-from weingarten.metrics.published import Published
 from weingarten.settings import resolve
 
 CONTENDERS = '''
@@ -107,8 +107,7 @@ def cast(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 @pytest.fixture(autouse=True)
 def few_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is judged in this process is judged by fewer samples: their number is not what is tested here."""
-    monkeypatch.setattr(work, "PUBLISHED", Published(samples=5000))
-    monkeypatch.setattr(work, "EXACT", Exact(samples=5000, edge_samples=500))
+    judge_by_few(monkeypatch)
 
 
 @pytest.fixture
@@ -128,15 +127,6 @@ class Ends(Watcher):
 
     def end(self, batch) -> None:
         self.names += [(job.part.name, job.contender.name) for job in batch]
-
-
-class Here(Workers):
-    """Fits in this process, which spares the start of another."""
-
-    def perform(self, batches, watcher) -> None:
-        for batch in batches:
-            work.perform(batch)
-            watcher.end(batch)
 
 
 def carried_out(tmp_path: Path, parts: list[Part], contenders: list[Contender], **more) -> Ends:

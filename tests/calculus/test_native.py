@@ -225,7 +225,9 @@ def test_polar_is_the_polynomial_of_singular_values(size):
 def test_without_a_place_to_keep_machine_code_it_is_compiled_anew():
     names = {}
     exec("def doubled(x):\n    return 2 * x", names)  # of no file, so there is nowhere to keep it beside
-    assert kernels.machine_code(fastmath=True)(names["doubled"])(21) == 42
+    anew = kernels.machine_code(fastmath=True)(names["doubled"])
+    assert anew(21) == 42
+    assert not is_kept(anew)
 
 
 def test_whether_machine_code_is_kept_is_known_before_it_is_called(tmp_path, monkeypatch):
@@ -238,6 +240,3 @@ def test_whether_machine_code_is_kept_is_known_before_it_is_called(tmp_path, mon
     first(21)
     assert is_kept(first)
     assert is_kept(kernels.machine_code(fastmath=True)(doubled)), "as another process finds it"
-    nowhere = {}
-    exec("def doubled(x):\n    return 2 * x", nowhere)
-    assert not is_kept(kernels.machine_code(fastmath=True)(nowhere["doubled"]))

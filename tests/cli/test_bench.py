@@ -13,14 +13,13 @@ import pytest
 import trimesh
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
 from command import run, started
+from here import Here, judge_by_few
 
 from weingarten.bench import job
 from weingarten.cli.main import main
-from weingarten.many.workers import Workers
-from weingarten.metrics.exact import Exact
 from weingarten.metrics.field_error import Field
-from weingarten.metrics.published import Published
 
 SHORT = ["--steps", "30", "--points-per-step", "200", "--resolution", "16", "--points", "1000"]
 
@@ -109,22 +108,11 @@ def test_mistakes_end_in_one_sentence(tmp_path: Path, data: Path, options: list[
     assert not (tmp_path / "out").exists()
 
 
-class Here(Workers):
-    """Fits in this process."""
-
-    def perform(self, batches, watcher) -> None:
-        for batch in batches:
-            watcher.begin(batch)
-            job.perform(batch)
-            watcher.end(batch)
-
-
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable:
     """The command in this process, where few samples judge a fit: exit code, standard output and error."""
     monkeypatch.setattr("weingarten.many.workers.Workers", Here)
-    monkeypatch.setattr(job, "PUBLISHED", Published(samples=5000))
-    monkeypatch.setattr(job, "EXACT", Exact(samples=5000, edge_samples=500))
+    judge_by_few(monkeypatch)
     monkeypatch.setattr(job, "FIELD", Field(samples=2000))
 
     def command(*words: object) -> tuple[int, str, str]:
