@@ -19,7 +19,7 @@ from weingarten.many.job import DONE, FAILED, failure, files_in
 from weingarten.many.records import make_folder
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import EXACT, FIELD, PUBLISHED
-from weingarten.report.provenance import machine_here
+from weingarten.report.provenance import machine
 from weingarten.world_field import WorldField
 
 __all__ = ["DONE", "FAILED", "Job"]
@@ -114,7 +114,7 @@ class Job(many.Job):
         """See many.Job. The record still says where the truth was, and says which machine it is done by."""
         cloud = None if self.part.cloud is None else sources / self.part.cloud.name
         part = replace(self.part, truth=sources / self.part.truth.name, cloud=cloud)
-        origin = {**self.origin, "truth": self.record["truth"], "machine": machine_here()}
+        origin = {**self.origin, "truth": self.record["truth"], "machine": machine()}
         return replace(self, store=Store(root), part=part, origin=origin)
 
 

@@ -206,7 +206,7 @@ def keeper_for(arguments: argparse.Namespace) -> "RunFolder | SpareFolder":
     from weingarten.device import chosen_device
     from weingarten.fit.run_folder import RunFolder
     from weingarten.fit.spare_folder import SpareFolder
-    from weingarten.report.provenance import machine_here, origin
+    from weingarten.report.provenance import machine, origin
 
     kept = () if arguments.folder is None else ("--run", arguments.folder)
     made = {
@@ -214,7 +214,7 @@ def keeper_for(arguments: argparse.Namespace) -> "RunFolder | SpareFolder":
         "mesh": str(arguments.output),
         "command": command(arguments, *kept),
         "device": str(chosen_device(arguments.device)),
-        **origin(machine_here()),
+        **origin(machine()),
     }
     if arguments.folder is not None:
         return RunFolder(arguments.folder, made)

@@ -21,7 +21,7 @@ from weingarten.many.job import DONE, FAILED, Job, failure, files_in
 from weingarten.many.log import Log
 from weingarten.many.records import make_folder, read, write
 from weingarten.report.picture import write_picture
-from weingarten.report.provenance import machine_here
+from weingarten.report.provenance import machine
 from weingarten.settings import Settings
 
 BEGUN = "begun"
@@ -154,5 +154,5 @@ class CloudFit(Job):
 
     def moved(self, root: Path, sources: Path) -> "CloudFit":
         """See Job."""
-        origin = {**self.origin, "machine": machine_here()}
+        origin = {**self.origin, "machine": machine()}
         return replace(self, out=root, cloud=sources / self.cloud.name, origin=origin)

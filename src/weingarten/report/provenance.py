@@ -4,34 +4,19 @@ import datetime
 import os
 import platform
 import subprocess
-import sys
 from importlib.metadata import version
 from pathlib import Path
 
 
-def machine(count: int | None = None) -> str:
-    """Processor, cores, threads, GPU and versions, as a fresh process of this Python sees them.
-
-    count: of threads, where they are said to each process.
-    """
-    code = "import torch; print(torch.__version__, torch.get_num_threads(), torch.cuda.is_available())"
-    torch, threads, cuda = subprocess.check_output([sys.executable, "-c", code], text=True).split()
-    return described(torch, threads if count is None else str(count), cuda == "True")
-
-
-def machine_here() -> str:
-    """The same of this very process, which has to have taken its threads."""
+def machine(threads: int | None = None) -> str:
+    """Processor, cores, threads, GPU and versions; by default this process's threads, else those said."""
     import torch
 
-    return described(torch.__version__, str(torch.get_num_threads()), torch.cuda.is_available())
-
-
-def described(torch: str, threads: str, cuda: bool) -> str:
-    """Processor, cores, and what is given."""
-    gpu = ", CUDA" if cuda else ", no GPU"
-    python, plural = platform.python_version(), "" if threads == "1" else "s"
-    cores = f"{os.cpu_count()} cores, {threads} thread{plural}"
-    return f"{processor()}, {cores}{gpu}, torch {torch}, Python {python}"
+    count = torch.get_num_threads() if threads is None else threads
+    plural = "" if count == 1 else "s"
+    gpu = "CUDA" if torch.cuda.is_available() else "no GPU"
+    versions = f"torch {torch.__version__}, Python {platform.python_version()}"
+    return f"{processor()}, {os.cpu_count()} cores, {count} thread{plural}, {gpu}, {versions}"
 
 
 def processor() -> str:
@@ -61,7 +46,7 @@ def said(command: list[str]) -> str:
 def origin(place: str) -> dict[str, str]:
     """Version, commit, machine and date, for a record. The commit is that of the package's own checkout.
 
-    place: the machine, as one of the above describes it.
+    place: the machine, as the above describes it.
     """
     package = Path(__file__).resolve().parent.parent
     root = package.parent.parent
