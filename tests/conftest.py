@@ -1,4 +1,4 @@
-"""Every function of the package checks the types and shapes it is called with while tests run.
+"""Functions of the package check the types and shapes they are called with while tests run (type_checks.py).
 
 One torch thread, so that float32 sums add up in the same order on every machine of a kind.
 """
@@ -11,7 +11,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import shutil
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,13 +21,16 @@ import torch
 from hypothesis import HealthCheck, settings
 from jaxtyping import install_import_hook
 
+sys.path.insert(0, str(Path(__file__).parent))
 # before the hook: what numba compiles cannot be wrapped
 import weingarten.calculus.kernels
 import weingarten.metrics.face_pairs  # noqa: F401
+from type_checks import CALLS, check_at_first
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
+check_at_first()
 HOOK = install_import_hook("weingarten", "beartype.beartype")
 torch.set_num_threads(1)
 # A busy machine is slow, not wrong; and the same examples everywhere make a failure one that can be repeated.
@@ -57,6 +62,7 @@ def generator() -> torch.Generator:
 def global_seed() -> None:
     """Nothing in the package draws from torch's global generator; tests that do get the same numbers."""
     torch.manual_seed(0)
+    CALLS.clear()
 
 
 @pytest.fixture(scope="module")

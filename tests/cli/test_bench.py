@@ -14,7 +14,7 @@ import trimesh
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "bench"))
-from command import run, started
+from command import Started, run
 from here import Here, judge_by_few
 
 from weingarten.bench import job
@@ -38,37 +38,9 @@ def rows(out: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
-def test_methods_schedules_and_seeds(tmp_path: Path, data: Path):
-    out = tmp_path / "out"
-    chosen = ["--methods", "odw", "--schedules", "own,none", "--seeds", "2", "--parts", "block"]
-    options = [*chosen, "--out", out, *SHORT]
-    code, text, errors = run("bench", data, *options)
-    assert code == 0, errors
-    assert "exact CD" in text
-    assert "protocol published-1" in (out / "tables.md").read_text()
-    assert "[4/4] block, odw-none, seed 1: done" in errors
-    found = rows(out)
-    assert [(row["contender"], row["seed"], row["error"]) for row in found] == [
-        ("odw", "0", ""),
-        ("odw", "1", ""),
-        ("odw-none", "0", ""),
-        ("odw-none", "1", ""),
-    ]
-    assert {row["field-1.gradient_error_band"] != "" for row in found} == {True}
-    assert "Paired differences from odw" in (out / "tables.md").read_text()
-    assert len(json.loads((out / "results.json").read_text())) == 4
-    code, text, errors = run("bench", data, *options)
-    assert code == 0
-    assert "4 of them done before" in errors
-    code, _, errors = run("bench", data, *chosen, "--out", out, "--steps", "31", *SHORT[2:])
-    assert code == 2
-    assert "another settings" in errors
-    assert "Traceback" not in errors
-
-
 def test_a_kill_costs_the_running_fit_alone(tmp_path: Path, data: Path):
     out = tmp_path / "out"
-    process = started("bench", data, "--out", out, *SHORT, start_new_session=True)
+    process = Started("bench", data, "--out", out, *SHORT, alone=True)
     deadline = time.monotonic() + 120
     while not list(out.glob("fits/*/*/*/figures.json")):
         assert time.monotonic() < deadline
@@ -121,6 +93,34 @@ def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
         return code, *capsys.readouterr()
 
     return command
+
+
+def test_methods_schedules_and_seeds(tmp_path: Path, data: Path, here: Callable):
+    out = tmp_path / "out"
+    chosen = ["--methods", "odw", "--schedules", "own,none", "--seeds", "2", "--parts", "block"]
+    options = [*chosen, "--out", out, *SHORT]
+    code, text, errors = here("bench", data, *options)
+    assert code == 0, errors
+    assert "exact CD" in text
+    assert "protocol published-1" in (out / "tables.md").read_text()
+    assert "[4/4] block, odw-none, seed 1: done" in errors
+    found = rows(out)
+    assert [(row["contender"], row["seed"], row["error"]) for row in found] == [
+        ("odw", "0", ""),
+        ("odw", "1", ""),
+        ("odw-none", "0", ""),
+        ("odw-none", "1", ""),
+    ]
+    assert {row["field-1.gradient_error_band"] != "" for row in found} == {True}
+    assert "Paired differences from odw" in (out / "tables.md").read_text()
+    assert len(json.loads((out / "results.json").read_text())) == 4
+    code, text, errors = here("bench", data, *options)
+    assert code == 0
+    assert "4 of them done before" in errors
+    code, _, errors = here("bench", data, *chosen, "--out", out, "--steps", "31", *SHORT[2:])
+    assert code == 2
+    assert "another settings" in errors
+    assert "Traceback" not in errors
 
 
 def test_the_papers_tables_and_figures(tmp_path: Path, data: Path, here: Callable):

@@ -13,7 +13,7 @@ import pytest
 from scipy.spatial import KDTree
 
 sys.path.insert(0, str(Path(__file__).parent))
-from command import SMALL, run, started, temporaries
+from command import SMALL, Started, run, run_anew, temporaries
 
 from weingarten.cli.main import main, parser
 from weingarten.fit.history import steps_kept
@@ -106,7 +106,7 @@ def test_its_page_is_that_of_report(finished, capsys):
 
 
 def test_same_input_and_seed_give_the_same_bytes(finished, cloud, tmp_path):
-    code, _, err = run("fit", cloud, "-o", tmp_path / "again.stl", "--quiet", "--steps", 60, *SMALL)
+    code, _, err = run_anew("fit", cloud, "-o", tmp_path / "again.stl", "--quiet", "--steps", 60, *SMALL)
     assert code == 0
     assert err == ""
     assert (tmp_path / "again.stl").read_bytes() == (finished[0] / "part.stl").read_bytes()
@@ -205,9 +205,8 @@ def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud,
     for trial in range(5):
         words = ["fit", cloud, "-o", tmp_path / f"{trial}.stl", "--run", tmp_path / f"run{trial}"]
         words += ["--steps", 60, *SMALL]
-        process = started(*words)
+        process = Started(*words)
         last = rng.integers(1, 20)
-        assert process.stderr is not None
         for line in process.stderr:
             last -= line.startswith("step ")
             if last <= 0:
@@ -225,8 +224,7 @@ def test_killed_at_random_steps_and_resumed_gives_the_same_mesh(finished, cloud,
 @pytest.mark.parametrize("keeps", [True, False])
 def test_interrupt_leaves_checkpoint_mesh_and_advice(finished, cloud, tmp_path, keeps):
     words = ["fit", cloud, "-o", tmp_path / "part.stl", "--steps", 60, *SMALL]
-    process = started(*words, *(["--run", tmp_path / "part.run"] if keeps else []))
-    assert process.stderr is not None
+    process = Started(*words, *(["--run", tmp_path / "part.run"] if keeps else []))
     for line in process.stderr:
         if line.startswith("step 30/"):
             process.send_signal(signal.SIGINT)
@@ -379,7 +377,7 @@ def test_doctor_says_what_there_is():
 
 
 def test_help_is_one_screen_and_needs_no_torch():
-    code, out, _ = run("--help")
+    code, out, _ = run_anew("--help")
     assert code == 0
     assert len(out.splitlines()) < 40
     probe = "import sys; import weingarten.cli.main as m; m.parser(); print('torch' in sys.modules)"

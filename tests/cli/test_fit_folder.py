@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from command import run, started, temporaries
+from command import Started, run, temporaries
 
 from weingarten.cli.main import main
 from weingarten.io.cloud_file import write_cloud
@@ -145,7 +145,7 @@ def test_a_kill_costs_nothing_and_the_fit_goes_on_from_its_checkpoint(scans, tmp
     for name in ("block.npy", "cut.ply"):
         (folder / name).write_bytes((scans / name).read_bytes())
     words = ["fit", folder, "-o", out, "--jobs", 2, "--cpus-per-fit", 1, "--steps", 900, *SHORT[2:]]
-    process = started(*words, start_new_session=True)
+    process = Started(*words, alone=True)
     curve = out / "block/loss.csv"
     deadline = time.monotonic() + 120
     while not (curve.exists() and len(curve.read_text().splitlines()) > 5):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from command import started
+from command import started_anew
 
 from weingarten.cli.main import main
 from weingarten.cli.view import invitation
@@ -99,7 +99,7 @@ def test_over_ssh_the_line_to_type_is_said(small):
 
 
 def test_ctrl_c_ends_it_quietly(small):
-    process = started("view", small)
+    process = started_anew("view", small)
     assert process.stdout is not None
     port = int(process.stdout.readline().split("127.0.0.1:")[1].split("/")[0])
     link = http.client.HTTPConnection("127.0.0.1", port, timeout=60)

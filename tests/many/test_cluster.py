@@ -17,7 +17,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parent.parent / "cli"))
-from command import run, started
+from command import run_anew as run
+from command import started_anew
 from jobs_of_tests import Diary, Errand
 
 from weingarten.errors import MissingExtraError, OptionError
@@ -236,7 +237,7 @@ def finished(out: Path) -> dict[str, int]:
 def test_a_machine_that_dies_costs_nothing_but_time(tmp_path: Path, scans: Path, machines):
     address, both = machines
     out = tmp_path / "cluster"
-    process = started("fit", scans, "-o", out, "--ray", address, *SHORT)
+    process = started_anew("fit", scans, "-o", out, "--ray", address, *SHORT)
     wait_for_work(process, out, both)
     destroy(next(filter(at_work, both)))
     _, errors = process.communicate(timeout=300)
@@ -263,7 +264,7 @@ def test_a_command_that_dies_costs_the_running_fits_alone(tmp_path: Path, scans:
     address, both = machines
     out = tmp_path / "cluster"
     words = ("fit", scans, "-o", out, "--ray", address, *SHORT)
-    process = started(*words)
+    process = started_anew(*words)
     wait_for_work(process, out, both)
     process.kill()
     process.communicate()
