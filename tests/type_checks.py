@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import jaxtyping
 
-FIRST = 20
+FIRST = 12
 """So many calls of a function in a test are checked."""
 
 EVERY = 17
