@@ -19,13 +19,12 @@ from weingarten.cli.memory import keep_freed_memory
 from weingarten.errors import ExtractionError
 from weingarten.fit.checkpoint import Origin
 from weingarten.fit.loop import Loop
-from weingarten.frame import Frame
 from weingarten.mesh import Mesh
 from weingarten.metrics.protocol import EXACT
-from weingarten.reconstruction import Points, prepared, surface
+from weingarten.reconstruction import Points, surface
 from weingarten.samples.parts import PARTS, part_mesh, sample_part
 from weingarten.settings import resolve
-from weingarten.start import origin_of
+from weingarten.start import Start
 
 METHODS = ("odw", "odw-fd")
 POINTS, RESOLUTION = 30_000, 128
@@ -44,12 +43,9 @@ class Trial:
     @classmethod
     def of(cls, part: str, method: str, steps: int | None) -> "Trial":
         """Before its first step."""
-        settings = resolve("standard", method=method, steps=steps)
-        points = sample_part(part, POINTS, 0)
-        frame = Frame.of(points)
-        unit = frame.to_unit(points)
-        loop = prepared(points, settings, torch.device("cpu"))
-        return cls(loop, origin_of(settings, frame, points), unit)
+        settings = resolve("standard", method=method, steps=steps, resolution=RESOLUTION, sharp=False)
+        start = Start.of(sample_part(part, POINTS, 0), settings, torch.device("cpu"))
+        return cls(start.loop(), start.origin, start.unit)
 
     @property
     def finished(self) -> bool:
@@ -68,7 +64,7 @@ class Trial:
     def chamfer(self, truth: Mesh) -> float:
         """Of the present field's mesh; infinite where there is none."""
         try:
-            mesh, _ = surface(self.loop.field, self.origin, self.unit, RESOLUTION, self.loop.crew)
+            mesh, _ = surface(self.loop.field, self.origin, self.unit, self.loop.crew)
         except ExtractionError:
             return float("inf")
         return EXACT.evaluate(Mesh(self.origin.frame.to_world(mesh.vertices), mesh.faces), truth).chamfer

@@ -62,21 +62,18 @@ def resolution_row(resolution: int) -> Row:
     import numpy as np
     import torch
 
-    from weingarten.frame import Frame
-    from weingarten.reconstruction import prepared
     from weingarten.samples.parts import sample_part
     from weingarten.settings import resolve
-    from weingarten.start import origin_of
+    from weingarten.start import Start
     from weingarten.surface.contour import extraction
     from weingarten.surface.values import BATCH, field_values
 
     settings, points = resolve("standard", steps=FITTED_STEPS), sample_part("flange", POINTS, 0)
-    loop = prepared(points, settings, torch.device("cpu"))
+    start = Start.of(points, settings, torch.device("cpu"))
+    loop, origin = start.loop(), start.origin
     with loop.crew:
         for _ in range(FITTED_STEPS):
             loop.advance()
-    frame = Frame.of(points)
-    origin = origin_of(settings, frame, points)
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     values = field_values(loop.field, loop.crew)
     extraction(values, lower, upper, COARSE, BATCH, loop.crew)

@@ -17,6 +17,7 @@ import time
 from dataclasses import asdict, dataclass, fields
 from multiprocessing import get_context
 from pathlib import Path
+from typing import cast
 
 from weingarten.atomic import replacing
 from weingarten.report.provenance import commit, machine, today
@@ -91,7 +92,7 @@ def earlier(path: Path) -> list[Row]:
         return []
     with path.open(newline="", encoding="utf-8") as stream:
         return [
-            Row(**{one.name: one.type(values[one.name]) for one in fields(Row)})
+            Row(**{one.name: cast(type, one.type)(values[one.name]) for one in fields(Row)})
             for values in csv.DictReader(stream)
         ]
 
@@ -101,7 +102,7 @@ def write(rows: list[Row], path: Path) -> None:
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, [one.name for one in fields(Row)], lineterminator="\n")
         writer.writeheader()
-        writer.writerows(map(asdict, rows))
+        writer.writerows([asdict(row) for row in rows])
     commits = ", ".join(sorted({one.commit for one in rows}))
     dates = sorted({one.date for one in rows})
     lines = [

@@ -41,7 +41,7 @@ class Ray:
 
     def __init__(
         self,
-        setup: Callable[[], None],
+        setup: Callable[[], object],
         address: str,
         cpus: int = 1,
         gpus: float | None = None,
@@ -153,7 +153,7 @@ class Ray:
             watcher.note(f"No machine of the cluster has {asked} for a fit; waiting for one.")
 
 
-def done(parcel: Parcel, setup: Callable[[], None], threads: Threads, wanted: str) -> Files:
+def done(parcel: Parcel, setup: Callable[[], object], threads: Threads, wanted: str) -> Files:
     """On the machine: the jobs of a parcel, and the files that they leave. Raises OptionError.
 
     wanted: the version of this package that the others have.

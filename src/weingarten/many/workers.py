@@ -24,7 +24,7 @@ class Workers:
     threads: what each may use; by default what a process of its own would.
     """
 
-    def __init__(self, setup: Callable[[], None], count: int = 1, threads: Threads | None = None) -> None:
+    def __init__(self, setup: Callable[[], object], count: int = 1, threads: Threads | None = None) -> None:
         self.setup = setup
         self.threads = threads or Threads()
         self.pools: list[ProcessPoolExecutor | None] = [None] * count
@@ -105,7 +105,7 @@ def perform(batch: Batch) -> None:
     type(batch[0]).perform(batch)
 
 
-def initializer(setup: Callable[[], None], threads: Threads) -> None:
+def initializer(setup: Callable[[], object], threads: Threads) -> None:
     """Before the first job of a process: Ctrl-C is for its parent, with whose death it ends as well.
 
     Else it would go on when its parent was killed, beside that of the same command begun again.
