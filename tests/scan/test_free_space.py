@@ -15,6 +15,7 @@ from weingarten.scan.draws import REACH
 from weingarten.scan.free_space import TOLD, FreeSpace, gaps, open_views
 
 TORUS, BLOCK, BALL = Torus(ring=0.7, tube=0.25), Box(half=(1.0, 0.6, 0.4)), Sphere()
+CUBE = Box(half=(1.0, 1.0, 1.0))
 
 
 def sphere(count, radius=1.0, seed=0):
@@ -60,8 +61,14 @@ def assert_right(signs, true):
 
 @pytest.mark.parametrize(
     ("points", "shape"),
-    [(torus(5000), TORUS), (box(5000, BLOCK.half), BLOCK), (sphere(5000), BALL)],
-    ids=["torus", "box", "sphere"],
+    [
+        (torus(5000), TORUS),
+        (box(5000, BLOCK.half), BLOCK),
+        (sphere(5000), BALL),
+        (box(2000, CUBE.half), CUBE),
+        (box(10_000, CUBE.half), CUBE),
+    ],
+    ids=["torus", "box", "sphere", "cube of few points", "cube"],
 )
 def test_signs_of_closed_clouds(points, shape):
     space, signs, true = seen(points, shape)
@@ -69,7 +76,8 @@ def test_signs_of_closed_clouds(points, shape):
     assert_right(signs, true)
     assert (signs[true < -1.5 * space.shell] == -1).all()
     assert (signs[true > 1.5 * space.shell] == 1).all()
-    assert space.known_inside == pytest.approx(np.mean(signs < 0), abs=0.01)
+    room = (-space.lower / REACH) ** 3
+    assert space.known_inside * room == pytest.approx(np.mean(signs < 0), abs=0.02)
     assert (np.abs(true[signs != 0]) > 0.4 * space.shell).all()
 
 

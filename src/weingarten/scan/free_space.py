@@ -28,6 +28,9 @@ THIN_SHELL = 0.9
 CLEARANCE = 0.75
 """A room's label reaches into the shell up to this distance from the points, in τ: no hole is so large."""
 
+ROOM = 2.0
+"""The grid ends so far beyond the unit cube at least, in τ."""
+
 CELLS = 160
 """Cells along a side of the box at most."""
 
@@ -58,7 +61,7 @@ class FreeSpace:
 
     @classmethod
     def of(cls, points: Float64[np.ndarray, "n 3"], tree: KDTree, reach: float) -> "FreeSpace":
-        """Label the box [−reach, reach]³ around a cloud in the unit frame."""
+        """Label the box [−reach, reach]³ about a cloud in the unit frame, or one with ROOM about it."""
         probe = points[:: max(1, len(points) // 20_000)]
         spacing = float(np.median(tree.query(probe, k=9, workers=-1)[0][:, 8]))
         shells = sorted({max(factor * spacing, 4.0 * reach / CELLS) for factor in SHELLS})
@@ -73,6 +76,8 @@ class FreeSpace:
         cls, points: Float64[np.ndarray, "n 3"], tree: KDTree, reach: float, shell: float
     ) -> "FreeSpace":
         """The labels that one τ gives."""
+        # the cloud touches the unit cube: without a layer of free cells a cube would have no outside
+        reach = max(reach, 1.0 + ROOM * shell)
         count = int(min(CELLS, np.ceil(2.0 * reach / (shell / 2.5))))
         cell = 2.0 * reach / count
         distance = grid_distance(points, tree, count, reach, cell, shell)
@@ -118,7 +123,7 @@ class FreeSpace:
 
     @property
     def known_inside(self) -> float:
-        """Fraction of the box known to be inside."""
+        """Fraction of the grid known to be inside."""
         return float(np.mean(self.labels < 0))
 
 
