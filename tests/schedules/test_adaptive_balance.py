@@ -83,7 +83,7 @@ def test_what_cannot_be_believed_is_not_told():
     losses = [
         {},
         {"a": 70.0, "c": 3.0},
-        {"a": 70.0, "b": 0.0, "c": 3e99},
+        {"a": 70.0, "c": 3e99},
         {"a": 140.0, "b": 5.0, "c": 3e99},
     ]
     for (told, _), expected in zip(given.told, losses, strict=True):
@@ -208,3 +208,18 @@ def test_softmax():
     weights = softmax({"a": 0.3, "b": -1.0, "c": 2.0})
     powers = np.exp([0.3, -1.0, 2.0])
     assert list(weights.values()) == pytest.approx(list(3 * powers / powers.sum()), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "build", [Uncertainty, GradientNorm, TaskPriority, SoftAdapt, lambda: RandomLookback(0)]
+)
+def test_a_term_that_knows_nothing_has_no_say(build):
+    """Its loss and gradient are zero at every step, as those of signs are where nothing is certain."""
+    without, with_it = (Balance("c", 3.0, build()) for _ in range(2))
+    for step in range(40):
+        losses = {name: loss * 0.97**step for name, loss in LOSSES.items()}
+        without.watch(seen(losses, gradients=NORMS, t=step / 40))
+        silent = {"silent": 0.0}
+        told = seen(losses | silent, WEIGHTS | {"silent": 1000.0}, NORMS | silent, t=step / 40)
+        with_it.watch(told)
+    assert with_it.ratio() == pytest.approx(without.ratio(), rel=1e-12)

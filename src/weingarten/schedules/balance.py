@@ -49,7 +49,8 @@ class Balance:
 
     It is λ₀ and not the λ of the step that makes ℓ: what a rule has already given would else be counted
     again as part of the loss. A loss that is NaN or beyond belief is not taken in: the last one stays. A term
-    comes in at its first believable loss under a positive weight.
+    comes in at its first believable loss above zero under a positive weight: one that knows nothing, and is
+    zero at all points, would else be given ever more weight, and all others less.
     """
 
     def __init__(self, term: str, reference: float, balancer: Balancer) -> None:
@@ -73,11 +74,13 @@ class Balance:
     def watch(self, seen: Seen) -> None:
         """Take in one step."""
         factors = {**seen.weights, self.term: self.reference}
-        self.losses |= weighed(seen.losses, factors)
+        told = weighed(seen.losses, factors)
+        self.losses |= {name: loss for name, loss in told.items() if loss > 0.0 or name in self.losses}
         if seen.gradients is None:
             self.balancer.step(self.losses, None)
             return
-        self.gradients |= weighed(seen.gradients, factors)
+        told = weighed(seen.gradients, factors)
+        self.gradients |= {name: norm for name, norm in told.items() if name in self.losses}
         self.balancer.step(self.losses, self.gradients)
 
     def state(self) -> dict[str, Any]:
