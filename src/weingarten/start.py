@@ -43,7 +43,8 @@ class Start:
     cloud: the points that are of use, world units; unit: those that the fit draws from, all or
     `weingarten.scan.thinning.thinned`, in the unit frame, moved towards their surface where they are noisy.
     generator: of the draws.
-    noise: mean distance of the points from their surface, unit lengths.
+    noise: mean distance of the points from their surface, unit lengths. misfit: the same of those that the
+    fit draws from, each as far as it counts.
     notes: what the user should know of the cloud and of the signs that free space gave. doubts: what speaks
     against a mesh of it, whatever comes out.
     """
@@ -56,6 +57,7 @@ class Start:
     draws: CloudDraws
     generator: torch.Generator
     noise: float
+    misfit: float
     notes: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -86,15 +88,26 @@ class Start:
             generator = torch.Generator(device).manual_seed(settings.seed)
         said = (*settings.notes, *diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
         noise = noise_level(given, tree if given is settled.points else KDTree(given))
+        misfit = noise if settled.misfit is None else settled.misfit
         rims = tuple(frame.to_world(settled.points[rim]) for rim in settled.rims)
         against = doubts(settled.noise, draws.known, rims, frame.scale)
         return cls(
-            settings, cloud, frame, settled.points, field.to(device), draws, generator, noise, said, against
+            settings,
+            cloud,
+            frame,
+            settled.points,
+            field.to(device),
+            draws,
+            generator,
+            noise,
+            misfit,
+            said,
+            against,
         )
 
     def loop(self) -> Loop:
         """That of its fit alone, before the first step."""
-        return loop_of(self.settings, self.field, self.draws, self.generator, self.noise, self.draws.pace)
+        return loop_of(self.settings, self.field, self.draws, self.generator, self.misfit, self.draws.pace)
 
     @functools.cached_property
     def origin(self) -> Origin:
@@ -110,9 +123,9 @@ def loop_of(
     noise: float = 0.0,
     pace: float = 1.0,
 ) -> Loop:
-    """The loop before its first step. pace: by what factor the rate is smaller.
+    """The loop before its first step. noise: a start's misfit. pace: by what factor the rate is smaller.
 
-    On CUDA its steps are recorded, unless the module is the user's own.
+    On CUDA its steps are recorded, if its field is a SIREN.
     """
     device = next(field.parameters()).device
     crew = crew_for(device)

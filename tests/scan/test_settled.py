@@ -73,3 +73,15 @@ def test_the_same_in_any_order():
     noise = noise_of(points, KDTree(points))
     one, other = settled(points, noise), settled(points[order], noise)
     np.testing.assert_allclose(one.points[order], other.points, atol=1e-9)
+
+
+@pytest.mark.parametrize("deviation", [0.001, 0.004])
+def test_the_data_term_of_the_exact_field_is_foretold(deviation):
+    """Of a plane, whose distance is |z|: where all is certain and where most points count less."""
+    generator = np.random.default_rng(0)
+    points = np.column_stack([generator.uniform(-1, 1, (8000, 2)), deviation * generator.normal(size=8000)])
+    found = settled(points, noise_of(points, KDTree(points)))
+    assert found.weight is not None
+    exact = float((found.weight.numpy() * np.abs(found.points[:, 2])).mean())
+    assert found.misfit == pytest.approx(exact, rel=0.3)
+    assert settled(points, Noise()).misfit is None

@@ -49,15 +49,28 @@ class Settled:
 
     @property
     def weight(self) -> Float[Tensor, " n"] | None:
-        """What each point counts in the data term: min(1, FULL_WEIGHT / its uncertainty); None without noise.
+        """Of each point in the data term: min(1, FULL_WEIGHT / its uncertainty); None without noise.
 
-        The uncertainty is σ √((1 − t)² + 4 t² / k): the point has gone to a plane through k others.
+        The uncertainty is that of a point gone to a plane through k others, of which twice is taken.
         """
         if self.flat is None:
             return None
-        left = (1.0 - self.flat) ** 2 + 4.0 * self.flat**2 / self.noise.neighbours
-        weight = np.minimum(1.0, FULL_WEIGHT / (self.noise.level * np.sqrt(left)))
+        weight = np.minimum(1.0, FULL_WEIGHT / self.left(self.flat, 2.0))
         return torch.from_numpy(weight.astype(np.float32))
+
+    @property
+    def misfit(self) -> float | None:
+        """Mean of the data term, weight · |f|, for the exact distance f; None without noise.
+
+        Of Gaussian noise of standard deviation s the mean of |f| is s √(2/π).
+        """
+        if self.flat is None or self.weight is None:
+            return None
+        return float((self.weight.numpy() * self.left(self.flat, 1.0)).mean() * np.sqrt(2.0 / np.pi))
+
+    def left(self, flat: Float64[np.ndarray, " n"], sure: float) -> Float64[np.ndarray, " n"]:
+        """What is left of the noise: σ √((1 − t)² + (sure t)² / k)."""
+        return self.noise.level * np.sqrt((1.0 - flat) ** 2 + (sure * flat) ** 2 / self.noise.neighbours)
 
     @functools.cached_property
     def rims(self) -> tuple[Int64[np.ndarray, " _"], ...]:

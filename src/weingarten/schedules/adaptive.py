@@ -69,7 +69,7 @@ class Start:
     """What a rule may know beforehand.
 
     term: the scheduled one. reference: its weight where the rule has nothing to say. seed: of random draws.
-    noise: mean distance of the points from their surface, unit lengths.
+    noise: mean distance of the points from their surface, unit lengths, each as far as it counts.
     """
 
     term: str
@@ -96,7 +96,7 @@ class Rule:
         """The weight of `term` for one fit.
 
         The reference weight is the envelope's greatest: it begins there, and the rule can take from it and
-        give back. noise: only `discrepancy` asks, and raises OptionError where it is none.
+        give back. noise: only `discrepancy` asks, and raises OptionError where it is negative or not finite.
         """
         ratio = self.ratio(Start(term, envelope.greatest, seed, noise))
         return Bounded(ratio, envelope, self.smoothing)
