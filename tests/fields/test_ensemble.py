@@ -49,8 +49,9 @@ def test_a_member_has_memory_of_its_own():
         assert torch.equal(one, other)
 
 
-def test_hidden_are_the_square_matrices():
-    assert [tuple(weight.shape) for weight in Ensemble.of(members(2, 8, 4)).hidden] == [(2, 8, 8)] * 3
+def test_square_matrices_are_those_between_sine_layers():
+    found = Ensemble.of(members(2, 8, 4)).square_matrices
+    assert [tuple(weight.shape) for weight in found] == [(2, 8, 8)] * 3
 
 
 @pytest.mark.parametrize("other", [members(1, width=8), members(1, depth=2), members(1, frequency=10.0)])

@@ -45,4 +45,4 @@ def test_it_has_three_times_the_weights(generator):
     siren = Siren(16, 3)
     field = QuadraticSiren(siren)
     assert sum(w.numel() for w in field.parameters()) == 3 * sum(w.numel() for w in siren.parameters())
-    assert [tuple(matrix.shape) for matrix in field.hidden] == [(16, 16)] * 2
+    assert [tuple(matrix.shape) for matrix in field.square_matrices] == [(16, 16)] * 2

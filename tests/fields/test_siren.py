@@ -12,7 +12,7 @@ def test_the_papers_network_has_264_449_weights():
     field = Siren()
     assert sum(weight.numel() for weight in field.parameters()) == 264_449
     assert [tuple(weight.shape) for weight in field.weights] == [(256, 3), *[(256, 256)] * 4, (1, 256)]
-    assert [tuple(weight.shape) for weight in field.hidden] == [(256, 256)] * 4
+    assert [tuple(weight.shape) for weight in field.square_matrices] == [(256, 256)] * 4
 
 
 @pytest.mark.parametrize("frequency", [10.0, 30.0])
@@ -66,4 +66,4 @@ def test_any_size_works(width, depth):
     field = Siren(width, depth)
     assert field(torch.zeros(0, 3)).shape == (0,)
     assert field(torch.zeros(4, 3)).shape == (4,)
-    assert len(field.hidden) == depth - 1
+    assert len(field.square_matrices) == depth - 1

@@ -26,7 +26,7 @@ def test_forward_is_the_formula_with_the_points_again_halfway(generator):
 def test_the_authors_network_has_their_sizes():
     shapes = [tuple(weight.shape) for weight in SoftplusNet().weights]
     assert shapes == [(512, 3), (512, 512), (512, 512), (509, 512), *[(512, 512)] * 4, (1, 512)]
-    assert len(SoftplusNet().hidden) == 6
+    assert len(SoftplusNet().square_matrices) == 6
 
 
 def test_first_weights_are_the_theorems(generator):

@@ -8,11 +8,12 @@ import torch
 
 from weingarten.calculus.autodiff import Autodiff
 from weingarten.crew import Crew
+from weingarten.fit.estimate import estimate
 from weingarten.fit.loop import Record, run
 from weingarten.fit.optimisers import adam, cosine, muon, steady
 from weingarten.methods import METHODS
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE
-from weingarten.schedules.schedule import Schedule, constant
+from weingarten.schedules.schedule import SCHEDULES, Schedule, constant
 from weingarten.terms.dirichlet import DIRICHLET
 from weingarten.terms.off_diagonal_weingarten import OFF_DIAGONAL_WEINGARTEN as ODW
 
@@ -260,3 +261,26 @@ def test_a_weight_that_is_not_to_be_moved_stays(make_loop):
     loop.advance()
     for one, other in zip(before, loop.field.parameters(), strict=True):
         assert torch.equal(one, other) == (not other.requires_grad)
+
+
+@pytest.mark.parametrize("method", ["odw-paper-fd", "divergence", "hash-grid"])
+def test_a_weight_that_is_not_to_be_moved_stays_where_autograd_has_it(make_loop, draws_for, method):
+    """Its part of the gradient is zero, and that of all others what it would be if it were moved as well."""
+    frozen, free = (make_loop(METHODS[method], draws=draws_for(METHODS[method]), **SMALL) for _ in range(2))
+    still = next(frozen.field.parameters())
+    still.requires_grad_(False)
+    before = still.detach().clone()
+    for loop in (frozen, free):
+        loop.accumulate(0.0)
+    assert still.grad is None
+    others = zip(list(frozen.field.parameters())[1:], list(free.field.parameters())[1:], strict=True)
+    for one, other in others:
+        torch.testing.assert_close(one.grad, other.grad)
+    frozen.advance()
+    assert torch.equal(still, before)
+
+
+def test_what_is_to_come_is_told_of_a_fit_that_ends_with_nothing_to_do(make_loop, draws_for):
+    method = METHODS["sal"].scheduling("sign_agnostic").with_schedule(SCHEDULES["linear"])
+    found = estimate(make_loop(method, draws=draws_for(method), **SMALL), 32)
+    assert 0.0 < found.extraction < found.total

@@ -2,10 +2,12 @@
 
 import pytest
 import torch
+from torch import nn
 
 from weingarten.fit.adam import Adam
 from weingarten.fit.clip import clip
 from weingarten.fit.muon import Muon, polar
+from weingarten.fit.optimisers import muon
 
 
 def descended(optimiser, weights, steps, seed=0):
@@ -182,3 +184,10 @@ def test_clipping_one_field_may_be_of_a_single_number_or_of_nothing():
     clip([gradient], 1.0, 0)
     assert float(gradient) == pytest.approx(-1.0, rel=1e-5)
     clip([], 1.0, 0)
+
+
+@pytest.mark.parametrize("hidden", [64, nn.Linear(8, 8), nn.ModuleList([nn.Linear(8, 8)])])
+def test_a_module_of_ones_own_may_call_anything_hidden(hidden):
+    module = nn.Sequential(nn.Linear(3, 8), nn.Linear(8, 1))
+    module.hidden = hidden
+    assert [type(optimiser) for optimiser in muon(module)] == [Adam]

@@ -61,6 +61,7 @@ class Taped:
         angles: Float[Tensor, "n *m"],
     ) -> None:
         self.calculus, self.parameters = calculus, parameters
+        self.moved = [weight for weight in parameters if weight.requires_grad]
         self.arguments = points, order, angles
 
     def forward(self) -> None:
@@ -80,10 +81,10 @@ class Taped:
     def backward(self) -> None:
         """See Evaluation."""
         tensors, bars = zip(*self.pairs, strict=True)
-        self.sums = torch.autograd.grad(
-            tensors, self.parameters, bars, allow_unused=True, materialize_grads=True
-        )
+        sums = torch.autograd.grad(tensors, self.moved, bars, allow_unused=True, materialize_grads=True)
+        self.sums = iter(sums)
 
     def gradient(self) -> Float[Tensor, " w"]:
         """See Evaluation."""
-        return torch.cat([one.reshape(-1) for one in self.sums])
+        found = [next(self.sums) if one.requires_grad else torch.zeros_like(one) for one in self.parameters]
+        return torch.cat([one.reshape(-1) for one in found])

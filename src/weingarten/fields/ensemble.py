@@ -56,7 +56,7 @@ class Ensemble(nn.Module):
         return siren
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """The square matrices between sine layers, m in each."""
         return list(self.weights)[1:-1]
 

@@ -43,7 +43,7 @@ class QuadraticSiren(nn.Module):
         self.layers = nn.ModuleList(QuadraticLayer(weight, bias, generator) for weight, bias in pairs)
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """The square matrices A between sine layers. B and C, next to zero, are no such matrices: steps of
         Muon, as long as A's, would be all there is of them.
         """

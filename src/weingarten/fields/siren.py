@@ -40,7 +40,7 @@ class Siren(nn.Module):
             self.biases.append(nn.Parameter(uniform((fan_out,), 1.0 / math.sqrt(fan_in), generator)))
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """The square matrices between sine layers."""
         return list(self.weights)[1:-1]
 

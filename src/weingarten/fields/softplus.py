@@ -51,7 +51,7 @@ class SoftplusNet(nn.Module):
         return width - 3 if self.skip and layer + 1 == self.skip else width
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """The square matrices between softplus layers."""
         return [weight for weight in self.weights if weight.shape[0] == weight.shape[1]]
 

@@ -51,9 +51,9 @@ class Sphered(nn.Module):
         self.calibrate(radius, slope)
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """The inner network's square matrices."""
-        return self.inner.hidden
+        return self.inner.square_matrices
 
     @torch.no_grad()
     def calibrate(self, radius: float, slope: float) -> None:

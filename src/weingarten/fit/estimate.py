@@ -35,11 +35,12 @@ def estimate(loop: Loop, resolution: int) -> Estimate:
     state = loop.generator.get_state()
     with loop.crew:
         seconds = [timed(loop, progress) for progress in (0.0, 0.0, 1.0)][1:]
-    passes = cost(loop.plan(loop.outline(1.0)))
+    passes = [cost(loop.plan(loop.outline(progress))) for progress in (0.0, 1.0)]
     loop.generator.set_state(state)
     loop.field.zero_grad()
     step = sum(seconds) / 2.0
-    forward = seconds[-1] / passes
+    # a weight that ends at 0 may leave nothing to do in the last step
+    forward = max(seconds) / max(*passes, 1)
     return Estimate(
         step=step,
         training=step * (loop.steps - loop.step),

@@ -15,10 +15,10 @@ Rate = Callable[[int, int], float]
 
 @runtime_checkable
 class Layered(Protocol):
-    """A field that names the square matrices between its layers."""
+    """A field that names the square matrices between its layers; a name that no one else's module has."""
 
     @property
-    def hidden(self) -> list[nn.Parameter]:
+    def square_matrices(self) -> list[nn.Parameter]:
         """These."""
         ...
 
@@ -31,12 +31,12 @@ def adam(field: nn.Module) -> list[Optimiser]:
 def muon(field: nn.Module) -> list[Optimiser]:
     """Muon for a field's square matrices, Adam at the same rate for all else (findings).
 
-    Fields that name no hidden matrices are moved by Adam alone.
+    Fields that name no square matrices are moved by Adam alone.
     """
-    hidden = field.hidden if isinstance(field, Layered) else []
-    names = {id(weight) for weight in hidden}
+    square = field.square_matrices if isinstance(field, Layered) else []
+    names = {id(weight) for weight in square}
     rest = [weight for weight in field.parameters() if id(weight) not in names]
-    return [Muon(hidden), Adam(rest)] if hidden else [Adam(rest)]
+    return [Muon(square), Adam(rest)] if square else [Adam(rest)]
 
 
 OPTIMISERS: dict[str, Callable[[nn.Module], list[Optimiser]]] = {"adam": adam, "muon": muon}
