@@ -23,7 +23,7 @@ RESOLUTION = 128
 
 @dataclass
 class Oracle:
-    """Watches the Chamfer distance (published protocol) to `truth`, world units, every 100 steps.
+    """Watches the Chamfer distance (published protocol) to `truth`, world units, every 100 steps and last.
 
     Keeps the weights that came closest; says stop when the last 1,500 steps brought none that came closer.
     """
@@ -35,7 +35,7 @@ class Oracle:
 
     def watch(self, loop: Loop, origin: Origin) -> bool:
         """True when the fit should stop here."""
-        if loop.step == 0 or loop.step % EVERY:
+        if loop.step == 0 or (loop.step % EVERY and loop.step < loop.steps):
             return False
         chamfer = self.chamfer(loop, origin)
         if chamfer < self.best:

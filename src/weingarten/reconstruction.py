@@ -112,7 +112,7 @@ def reconstruct(
     settings: from `weingarten.resolve`; by default the `standard` preset with seed 0.
     device: auto, cpu, cuda or mps.
     run_folder: where checkpoint, loss curve, mesh and summary go.
-    resume: go on from the checkpoint in run_folder, to the same mesh.
+    resume: go on from the checkpoint in run_folder, to the same mesh if there are as many threads.
     truth: ask for the oracle's early stopping by distance to this mesh; such figures are not comparable.
     module: a network f: (n, 3) → (n,) of the unit frame to fit instead of a SIREN.
     observer: who watches.
@@ -141,6 +141,8 @@ def reconstruct(
             found = keeper.found()
             checkpoint.check_same(found.origin, origin)
             found.restore(loop)
+            for note in threads_notes(found.threads, loop.crew.size):
+                observer.note(note)
             if oracle is not None:
                 oracle.restore(found)
         for note in start.notes:
@@ -224,9 +226,21 @@ def fit(
         return satisfied or observer.interrupted()
 
     save()
-    finished = run(loop, each, stop) or satisfied
+    finished = run(loop, each, stop)
+    if oracle is not None and finished:
+        oracle.watch(loop, origin)
     save()
-    return finished, last[0] if last else None
+    return finished or satisfied, last[0] if last else None
+
+
+def threads_notes(before: int, now: int) -> tuple[str, ...]:
+    """What to know of a fit that goes on with another number of threads than it was begun with."""
+    if before in (0, now):
+        return ()
+    return (
+        f"The checkpoint was written with {before} thread{'s' * (before > 1)}, and this fit goes on with "
+        f"{now}: its mesh will be another than without the interruption.",
+    )
 
 
 def check_finite(record: Record) -> None:

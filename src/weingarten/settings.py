@@ -18,7 +18,9 @@ PLAIN = (str, int, float, bool)
 
 @dataclass(frozen=True)
 class Settings:
-    """Every choice of a fit, resolved; two fits with equal settings, points and device give the same mesh.
+    """Every choice of a fit, resolved.
+
+    Two fits with equal settings, points, device and number of threads give the same mesh.
 
     term: the one whose weight has this shape and these knots; all empty where none is scheduled.
     stencil: distances of the method's stencil over progress, unit lengths, if it has one.
@@ -152,7 +154,7 @@ PAPER = replace(
 )
 
 PRESETS = {settings.preset: settings for settings in (STANDARD, FINE, PAPER)}
-"""A part in about a quarter of a minute on two cores; detailed parts; arXiv 2511.03147 to the letter."""
+"""A part in about half a minute on two cores; detailed parts; the settings of arXiv 2511.03147."""
 
 
 def resolve(
@@ -173,7 +175,8 @@ def resolve(
 ) -> Settings:
     """Settings from a preset's name and what is to differ from it.
 
-    schedule: a name of schedules.SCHEDULES, scaled to the method's greatest weight unless knots are given.
+    schedule: a name of `schedules.schedule.SCHEDULES`, scaled to the method's greatest weight unless knots
+    are given, or of `schedules.adaptive.ADAPTIVE`.
     knots: (time, weight) pairs; without a schedule's name they go with the method's own shape.
     term: the name of the term whose weight these are; by default the method's curvature term.
     stencil: (time, distance) pairs for a method by finite differences, unit lengths, linear between them.

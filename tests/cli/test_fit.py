@@ -369,6 +369,16 @@ def test_oracle_stops_early_and_keeps_the_best(cloud, tmp_path, monkeypatch, cap
     assert (tmp_path / "again.stl").read_bytes() == (tmp_path / "part.stl").read_bytes()
 
 
+def test_an_oracle_looks_at_the_finished_field_too(cloud, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("weingarten.oracle.EVERY", 10)
+    looked = []
+    look = lambda _, loop, __: looked.append(loop.step) or 1.0  # noqa: E731
+    monkeypatch.setattr("weingarten.oracle.Oracle.chamfer", look)
+    words = ["fit", str(cloud), "-o", str(tmp_path / "part.stl"), "--oracle", "bundled:flange", "--quiet"]
+    assert main([*words, "--steps", "25", *SMALL, "--sharp", "off"]) == 0
+    assert looked == [10, 20, 25]
+
+
 def test_doctor_says_what_there_is(monkeypatch, capsys):
     for name, settings in PRESETS.items():
         monkeypatch.setitem(PRESETS, name, replace(settings, points=150, width=32))

@@ -9,9 +9,11 @@ import torch
 from weingarten.errors import CheckpointError
 from weingarten.fit import checkpoint as checkpoints
 from weingarten.fit.checkpoint import Origin, load, save
-from weingarten.fit.optimisers import muon
+from weingarten.fit.loop import Loop
+from weingarten.fit.optimisers import adam, muon, steady
 from weingarten.frame import Frame
 from weingarten.methods import METHODS
+from weingarten.reconstruction import threads_notes
 from weingarten.settings import resolve
 
 SMALL = {"width": 16, "depth": 3, "points": 50, "steps": 10}
@@ -63,3 +65,36 @@ def test_a_checkpoint_of_another_format_is_refused(make_loop, tmp_path, monkeypa
     monkeypatch.undo()
     with pytest.raises(CheckpointError, match="start the fit anew"):
         load(tmp_path / "old")
+
+
+class Tied(torch.nn.Module):
+    """Two names for one weight."""
+
+    def __init__(self):
+        super().__init__()
+        self.first = torch.nn.Linear(3, 3)
+        self.second = torch.nn.Linear(3, 3)
+        self.second.weight = self.first.weight
+
+    def forward(self, points):
+        return self.second(torch.sin(self.first(points))).sum(dim=-1)
+
+
+def test_layers_that_share_a_weight_come_back(make_loop, found, tmp_path):
+    def loop_of(field):
+        loop = make_loop(METHODS["odw-paper"], **SMALL)
+        return Loop(field, loop.method, loop.draws, loop.generator, adam(field), steady, 5e-5, 10, 50, 10.0)
+
+    ours = loop_of(Tied())
+    ours.advance()
+    save(tmp_path / "tied", ours, found[0].origin, {}, {})
+    theirs = loop_of(Tied())
+    load(tmp_path / "tied").restore(theirs)
+    assert theirs.field.second.weight is theirs.field.first.weight
+    torch.testing.assert_close(theirs.field.first.weight, ours.field.first.weight, rtol=0, atol=0)
+
+
+def test_a_checkpoint_knows_how_many_threads_summed(found):
+    assert found[0].threads == found[1].crew.size
+    assert threads_notes(found[0].threads, found[1].crew.size) == threads_notes(0, 8) == ()
+    assert "written with 2 threads, and this fit goes on with 8" in threads_notes(2, 8)[0]

@@ -59,13 +59,17 @@ class Origin:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A checkpoint as read from its file. adaptive: what adaptive weights remember, by their terms' names."""
+    """A checkpoint as read from its file.
+
+    adaptive: what adaptive weights remember, by their terms' names. threads: that summed; 0 where not told.
+    """
 
     origin: Origin
     step: int
     tensors: dict[str, Tensor]
     extra: dict[str, object]
     adaptive: dict[str, dict]
+    threads: int = 0
 
     def field_state(self) -> dict[str, Tensor]:
         """The field's weights, for load_state_dict."""
@@ -76,7 +80,7 @@ class Checkpoint:
         return prefixed(self.tensors, KEPT)
 
     def restore(self, loop: Loop) -> None:
-        """Bring a fresh loop of the same settings to this state, to the bit.
+        """Bring a fresh loop of the same settings to this state: to the bit, if it has as many threads.
 
         Raises CheckpointError where the loop draws on another kind of device, or the state is another loop's.
         """
@@ -115,16 +119,22 @@ def save(path: Path, loop: Loop, origin: Origin, extra_tensors: dict[str, Tensor
         "lower": origin.lower,
         "upper": origin.upper,
         "apart": origin.apart,
+        "threads": loop.crew.size,
         "extra": extra,
         "adaptive": {name: own.state() for name, own in loop.adaptive.items()},
     }
     # written here rather than by safetensors, whose error for a full disk is no OSError
     content = packed(
-        {name: value.detach().cpu().contiguous() for name, value in tensors.items()},
+        separate(tensors),
         {"weingarten": json.dumps(header)},
     )
     with replacing(path) as temporary:
         temporary.write_bytes(content)
+
+
+def separate(tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Copies on the CPU: safetensors takes none that share memory, as those of tied layers do."""
+    return {name: value.detach().cpu().clone().contiguous() for name, value in tensors.items()}
 
 
 def load(path: Path) -> Checkpoint:
@@ -147,9 +157,9 @@ def load(path: Path) -> Checkpoint:
             raise ValueError("its box is none")
         apart = positive(header["apart"], "its distance of sheets")
         origin = Origin(settings, frame, str(header["fingerprint"]), lower, upper, apart)
-        return Checkpoint(
-            origin, int(header["step"]), tensors, dict(header["extra"]), dict(header["adaptive"])
-        )
+        extra, adaptive = dict(header["extra"]), dict(header["adaptive"])
+        threads = int(header.get("threads", 0))
+        return Checkpoint(origin, int(header["step"]), tensors, extra, adaptive, threads)
 
 
 def triple(values: Sequence[float]) -> tuple[float, float, float]:

@@ -14,6 +14,7 @@ from torch import Tensor
 
 from weingarten.atomic import replacing
 from weingarten.errors import CheckpointError, OutputError
+from weingarten.fit.checkpoint import separate
 from weingarten.fit.loop import Loop
 
 FOLDER = "history"
@@ -58,7 +59,7 @@ class History:
         self.seen = max(self.seen, loop.step)
         if not due:
             return
-        state = {name: value.detach().cpu().contiguous() for name, value in loop.field.state_dict().items()}
+        state = separate(loop.field.state_dict())
         with replacing(place(self.path, loop.step)) as temporary:
             # written here rather than by safetensors, whose error for a full disk is no OSError
             temporary.write_bytes(save(state))
