@@ -31,8 +31,8 @@ from weingarten.summary import Summary
 
 Points = Float64[np.ndarray, "n 3"]
 
-PRIMITIVES, MADE = "primitives.json", "made.json"
-RESULTS = ("mesh.ply", "summary.json", PRIMITIVES, MADE)
+PRIMITIVES, LABELS, MADE = "primitives.json", "labels.npy", "made.json"
+RESULTS = ("mesh.ply", "summary.json", PRIMITIVES, LABELS, MADE)
 
 
 @runtime_checkable
@@ -209,7 +209,8 @@ class RunFolder:
 
     def finish(self, mesh: Mesh, summary: Summary) -> None:
         """Write the mesh and the figures; what was measured on an earlier mesh goes."""
-        (self.path / PRIMITIVES).unlink(missing_ok=True)
+        for name in (PRIMITIVES, LABELS):
+            (self.path / name).unlink(missing_ok=True)
         write_mesh(self.path / "mesh.ply", mesh)
         with replacing(self.summary) as temporary:
             temporary.write_text(json.dumps(summary.as_dict(), indent=2) + "\n")

@@ -6,14 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from weingarten.atomic import replacing
+from weingarten.fit.run_folder import LABELS, PRIMITIVES
 from weingarten.measure.measurement import Measurement
 
 
 def write_measurement(folder: Path, found: Measurement) -> None:
     """primitives.json, and labels.npy (int32, one for every vertex of mesh.ply). Raises OutputError."""
-    with replacing(folder / "labels.npy") as temporary, temporary.open("wb") as stream:
+    with replacing(folder / LABELS) as temporary, temporary.open("wb") as stream:
         np.save(stream, found.labels, allow_pickle=False)
-    write_json(folder / "primitives.json", found)
+    write_json(folder / PRIMITIVES, found)
 
 
 def write_json(path: Path, found: Measurement) -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Int64, UInt8
 
+from weingarten.fit.run_folder import LABELS, PRIMITIVES
 from weingarten.mesh import Mesh
 from weingarten.metrics.distance import closest
 
-LABELS, NAMES = "labels.npy", "primitives.json"
 FREE = -1
 
 PAINTS = (
@@ -44,12 +44,12 @@ class Primitives:
 
 def primitives_in(folder: Path, mesh: Mesh) -> Primitives | None:
     """What a run folder says of its mesh; None where it says nothing, or speaks of another mesh."""
-    if not all((folder / name).is_file() for name in (LABELS, NAMES)):
+    if not all((folder / name).is_file() for name in (LABELS, PRIMITIVES)):
         return None
     try:
         # mapped: a header that promises more than there is takes no memory
         labels = np.load(folder / LABELS, mmap_mode="r", allow_pickle=False)
-        said = json.loads((folder / NAMES).read_text(encoding="utf-8"))
+        said = json.loads((folder / PRIMITIVES).read_text(encoding="utf-8"))
     except (OSError, ValueError, EOFError, RecursionError):
         return None
     rows = said.get("primitives") if isinstance(said, dict) else None

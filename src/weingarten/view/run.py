@@ -15,13 +15,13 @@ from weingarten.errors import CheckpointError, InputError, WeingartenError
 from weingarten.fit import checkpoint, history
 from weingarten.fit.checkpoint import Checkpoint
 from weingarten.fit.curve import Columns, read_curve
-from weingarten.fit.run_folder import opened
+from weingarten.fit.run_folder import PRIMITIVES, opened
 from weingarten.frame import Frame
 from weingarten.io.mesh import read_mesh
 from weingarten.mesh import Mesh
 from weingarten.surface.contour import extraction
 from weingarten.surface.values import BATCH, field_values
-from weingarten.view.primitives import NAMES, primitives_in
+from weingarten.view.primitives import primitives_in
 from weingarten.view.section import Box
 from weingarten.view.status import RUNNING, Status, status
 from weingarten.view.subject import Cloud, Look, Surface
@@ -86,7 +86,7 @@ class Run:
         silent = max(0.0, time.time() - self.read[0] / 1e9)
         return Look(
             version=self.version,
-            final=":".join(map(str, (*mark(mesh), *mark(self.path / NAMES))))
+            final=":".join(map(str, (*mark(mesh), *mark(self.path / PRIMITIVES))))
             if ended and mesh.is_file()
             else "",
             steps=tuple(history.steps_kept(self.path / history.FOLDER)) if self.box is not None else (),
