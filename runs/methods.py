@@ -112,6 +112,7 @@ def page(found: list[Result], rows: list[Row]) -> str:
     parts = sorted({one.part for one in found})
     commits = sorted({str(one.fit.get("commit")) for one in found})
     own = sorted({one.contender for one in found if "@" in one.contender})
+    several = sorted({one.contender for one in found if one.seed > 0})
     head = [
         "# All methods at equal steps and at equal time",
         "",
@@ -119,7 +120,7 @@ def page(found: list[Result], rows: list[Row]) -> str:
         f"- fits of commits: {', '.join(commits)}; table of commit {commit(ROOT)}; date: {today()}; "
         f"machine of the table: {machine()}",
         f"- {len(found):,} fits of {len(parts)} parts; preset standard, marching cubes, 30,000 points a part",
-        f"- three seeds, as far as they are there: {', '.join(LEADERS)}; one: all others",
+        f"- one seed of each contender; more of: {', '.join(several) or 'none yet'}",
         f"- steps in the time of `{BASELINE}`: {', '.join(own)}; all others as many as it has",
         "",
     ]

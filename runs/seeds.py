@@ -111,7 +111,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--preset", default="standard")
     preset = parser.parse_args().preset
-    files = sorted(RESULTS.glob(f"abc25-{preset}*.csv"))
+    files = sorted(RESULTS.glob(f"abc25-{preset}*.csv"), key=lambda path: (len(path.stem), path.stem))
     if not files:
         sys.stderr.write(f"There is no results/abc25-{preset}*.csv; run runs/abc25.py first.\n")
         return 2

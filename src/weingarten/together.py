@@ -113,9 +113,13 @@ def check_joint(settings: Settings) -> None:
     """Raise OptionError where parts have to be fitted one by one."""
     method = settings.resolved_method()
     if method.field is not Siren:
-        raise OptionError(f"Method {method.name} fits no SIREN; parts can only be fitted one by one with it.")
+        raise OptionError(
+            f"Method {method.name} fits no SIREN; fit the parts one by one, without --together."
+        )
     if any(isinstance(weight, Adapted) for weight in method.terms.values()):
-        raise OptionError("An adaptive weight follows a single fit; fit the parts one by one.")
+        raise OptionError(
+            "An adaptive weight follows a single fit; fit the parts one by one, without --together."
+        )
 
 
 def attempted(work: Callable[[int], Answer], tasks: Iterable[int], errors: Errors) -> dict[int, Answer]:
