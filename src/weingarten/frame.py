@@ -1,7 +1,7 @@
 """World ↔ unit: the only place where scale and offset live, always in float64.
 
 World frame: the input's own coordinates and unit. Unit frame: points minus their mean, divided by the
-largest absolute coordinate, so that the cloud touches the cube [-1, 1]³ (method §1).
+largest absolute coordinate, so that the cloud touches the cube [-1, 1]³.
 """
 
 from dataclasses import dataclass

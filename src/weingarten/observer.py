@@ -17,7 +17,7 @@ class Observer:
         """One step was taken."""
 
     def phase(self, name: str) -> None:
-        """What comes next: signs, fitting, extracting, measuring."""
+        """What comes next: preparing, fitting, extracting, measuring."""
 
     def interrupted(self) -> bool:
         """Whether to stop after this step and extract what there is."""

@@ -1,4 +1,4 @@
-"""The paper's early stopping: by the distance to the ground truth, which no real scan has (method §2).
+"""The paper's early stopping: by the distance to the ground truth, which no real scan has.
 
 Used only when a truth is given and asked for by name; its figures must not be compared with others'.
 """

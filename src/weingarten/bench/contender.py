@@ -1,7 +1,7 @@
 """Who takes part in a benchmark: anything that makes a mesh of points, and says what it is.
 
 A contender sees points alone. The one exception says so in its name: the oracle, which is shown the truth to
-know when to stop, as the paper's tables were made (method §2).
+know when to stop, as the paper's tables were made.
 """
 
 from abc import ABC, abstractmethod

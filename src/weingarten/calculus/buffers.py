@@ -1,7 +1,7 @@
 """Working memory handed out again and again.
 
 Fresh megabytes cost a page fault every four kilobytes: a third of a training step where the C library
-returns freed memory to the system (findings, "Cost of one optimisation step").
+returns freed memory to the system.
 """
 
 import math

@@ -41,7 +41,7 @@ CROSS = Stencil(
 class FiniteDifference:
     """Values and gradients from another calculus, second derivatives from its values at distance h.
 
-    step: h in unit lengths; the authors use 0.05, which is 40 % off on an untrained SIREN (method §3).
+    step: h in unit lengths; the authors use 0.05, which is 40 % off on an untrained SIREN.
     """
 
     def __init__(self, inner: Calculus, step: float = 0.05, stencil: Stencil = DIAGONAL) -> None:

@@ -2,7 +2,7 @@
 
 Symbols, used in every file of `calculus` and `terms`: f the field, g = ∇f, H its Hessian, n = g/‖g‖,
 (u, v) an orthonormal frame of the tangent plane, all in the unit frame. The frame is a constant for the
-optimiser: no cotangent flows through n, u, v (method §2). Arrays of an ensemble have its members after the
+optimiser: no cotangent flows through n, u, v. Arrays of an ensemble have its members after the
 points: shapes (n, m), where one field has (n,), and (n, m, 3).
 """
 
@@ -63,7 +63,7 @@ class Jet:
 
     @property
     def shape_operator(self) -> tuple[Float[Tensor, "n *m"], Float[Tensor, "n *m"], Float[Tensor, "n *m"]]:
-        """S₁₁, S₁₂, S₂₂ of S = (u v)ᵀ H (u v) / ‖∇f‖, the Weingarten map in the frame (method §2–3)."""
+        """S₁₁, S₁₂, S₂₂ of S = (u v)ᵀ H (u v) / ‖∇f‖, the Weingarten map in the frame."""
         if self.uu is None or self.uv is None or self.vv is None:
             raise ValueError("this jet was evaluated without its tangent block; ask for order TANGENT")
         norm = self.slope.norm(dim=-1).clamp_min(SMALLEST_NORM)

@@ -42,7 +42,10 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns the exit code (0 done, 2 the user's error, 130 interrupted)."""
+    """Run the command.
+
+    Returns the exit code: 0 done, 1 some of many failed, 2 the user's error, 130 interrupted.
+    """
     root = parser()
     arguments = root.parse_args(argv)
     if arguments.version:

@@ -6,7 +6,7 @@ small, so that ‖a‖ ≈ ‖x‖ in front of the last; there, and in the head,
     z = ½π (a + 1),  sin z = cos ½πa,   n − Σ sin z = Σ (1 − cos ½πa) ≈ ⅛ π² ‖x‖²,
 
 whose root is the distance from the origin. The authors' layers keep lengths on average alone, by independent
-draws; these are orthogonal. Released re-implementations leave the root out (method §7).
+draws; these are orthogonal. Released re-implementations leave the root out.
 """
 
 import math

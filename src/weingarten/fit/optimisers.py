@@ -24,12 +24,12 @@ class Layered(Protocol):
 
 
 def adam(field: nn.Module) -> list[Optimiser]:
-    """Adam for every weight (method §2)."""
+    """Adam for every weight."""
     return [Adam(field.parameters())]
 
 
 def muon(field: nn.Module) -> list[Optimiser]:
-    """Muon for a field's square matrices, Adam at the same rate for all else (findings).
+    """Muon for a field's square matrices, Adam at the same rate for all else.
 
     Fields that name no square matrices are moved by Adam alone.
     """

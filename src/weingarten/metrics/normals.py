@@ -21,7 +21,7 @@ def alignment(a: Normals, b: Normals) -> Float64[np.ndarray, " n"]:
 
 
 def elementwise_alignment(a: Normals, b: Normals) -> Float64[np.ndarray, " n"]:
-    """Σᵢ |aᵢ bᵢ| of every pair: the published tables' measure, which depends on the axes (method §6).
+    """Σᵢ |aᵢ bᵢ| of every pair: the published tables' measure, which depends on the axes.
 
     It is at least |a · b|, equal to it when either normal lies along an axis, and ¾ on average for random
     directions; (1,1,0)/√2 and (1,−1,0)/√2, which are perpendicular, score 1.

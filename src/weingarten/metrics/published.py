@@ -1,4 +1,4 @@
-"""The protocol of the published tables, `published-1` (method §6), with its weaknesses; see `Published`."""
+"""The protocol of the published tables, `published-1`, with its weaknesses; see `Published`."""
 
 from dataclasses import dataclass, field, replace
 

@@ -2,7 +2,7 @@
 
 κ₁ ≥ κ₂ are the eigenvalues of the tangent block S of a jet, with m = (S₁₁ + S₂₂)/2 and
 d = √((S₁₁ − S₂₂)² + 4 S₁₂²) = κ₁ − κ₂:  κ₁,₂ = m ± d/2. The residual of the off-diagonal Weingarten term in
-a frame turned by θ from the principal one is ½ d |sin 2θ|; its mean over all frames is d/π (method §3): zero
+a frame turned by θ from the principal one is ½ d |sin 2θ|; its mean over all frames is d/π: zero
 on planes and spheres, 1/(πr) on a cylinder.
 """
 

@@ -27,5 +27,5 @@ PUBLISHED_ROWS = {
     "step-next": STEP,
     "increasing": PublishedRow((97.68, 1.74), (3.24, 2.37), (88.32, 20.81), 871.0),
 }
-"""By schedule. The paper has one row for the step, whose formula and released code differ (method §4): both
+"""By schedule. The paper has one row for the step, whose formula and released code differ: both
 stand beside it."""

@@ -16,10 +16,10 @@ from weingarten.scan.free_space import FreeSpace
 from weingarten.scan.sample import NEAR, OFF_SURFACE, SURFACE, Sample
 
 REACH = 1.1
-"""Half side of the off-surface box, unit lengths (method §1)."""
+"""Half side of the off-surface box, unit lengths."""
 
 NEIGHBOURS = 50
-"""σ of a near-surface draw is the distance to this neighbour (method §1)."""
+"""σ of a near-surface draw is the distance to this neighbour."""
 
 POOL = 120_000
 """Off-surface points whose signed distance is worked out once, before the first step."""
@@ -39,7 +39,7 @@ class Draws(Protocol):
 
 
 class CloudDraws:
-    """Draws from a cloud: `count` points of each domain (method §1).
+    """Draws from a cloud: `count` points of each domain.
 
     surface: from the cloud, with replacement between steps, spread over it within a step (`spread`).
     off-surface: uniform in the box. near-surface: the surface draw plus N(0, σ²), σ per point.

@@ -1,7 +1,7 @@
 """Signs from empty space: where a closed cloud leaves room, inside and outside are known without normals.
 
 Grid cells nearer than τ to a point are shell; the rest falls into connected rooms. The room that holds the
-box's boundary is outside, the others are inside (findings, "Signs from free space"). Said of nothing that is
+box's boundary is outside, the others are inside. Said of nothing that is
 in doubt:
 
 - rooms that a thinner shell (0.9 τ) opens to the outside: pockets behind a mouth narrower than 2τ;

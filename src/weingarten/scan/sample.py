@@ -8,7 +8,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 DOMAINS = SURFACE, OFF_SURFACE, NEAR = "surface", "off-surface", "near-surface"
-"""Where points are drawn: on the cloud; uniformly in the box; on the cloud plus a Gaussian (method §1)."""
+"""Where points are drawn: on the cloud; in the box; on the cloud plus a Gaussian."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The part of a large cloud that a fit draws from.
 
-A fit of the `standard` preset makes some 650,000 draws on the surface: it cannot see ten million points. But
+A fit of the `standard` preset makes some 800,000 draws on the surface: it cannot see ten million points. But
 neighbours, free space and the draws themselves cost time and memory for every point that might be seen.
 """
 

@@ -34,7 +34,7 @@ from weingarten.terms.dirichlet import DIRICHLET
 __all__ = ["ADAPTIVE", "FULL", "Adaptive", "Rule", "Seen"]
 
 FULL = constant(10.0)
-"""The envelope unless told otherwise (method §4)."""
+"""The envelope unless told otherwise."""
 
 
 @runtime_checkable

@@ -38,7 +38,7 @@ class Balancer(Protocol):
 
 
 class Balance:
-    """A balancer's say about one term, relative to the fixed weights of the others (method §4). A Ratio.
+    """A balancer's say about one term, relative to the fixed weights of the others. A Ratio.
 
     The losses that are balanced are ℓ_i = w_i L_i with the fixed weights w_i of the other terms, and
     ℓ = λ₀ L with the reference weight λ₀ of the scheduled one; gradients' norms likewise. The balancer's

@@ -1,4 +1,4 @@
-"""Weights as pure functions of progress t = step / steps ∈ [0, 1] (method §4; arXiv 2511.03147 §3).
+"""Weights as pure functions of progress t = step / steps ∈ [0, 1] (arXiv 2511.03147 §3).
 
 Between the knots (s, w) and (e, w_e), with r = (t − s)/(e − s):
 

@@ -1,4 +1,4 @@
-"""On-surface term ("Dirichlet", DM): the field is zero on the cloud (method §2; SIREN eq. 6)."""
+"""On-surface term ("Dirichlet", DM): the field is zero on the cloud (SIREN eq. 6)."""
 
 from jaxtyping import Float
 from torch import Tensor

@@ -1,4 +1,4 @@
-"""Eikonal term: the gradient of a distance has norm one (method §2; IGR eq. 2).
+"""Eikonal term: the gradient of a distance has norm one (IGR eq. 2).
 
 The paper's text has the squared form, its released code the absolute one, IGR the square of
 that; all are here.

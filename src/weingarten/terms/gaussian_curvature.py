@@ -1,4 +1,4 @@
-"""Gaussian curvature: CAD's surfaces are piecewise developable (NeurCADRecon, Dong et al. 2024; method §3).
+"""Gaussian curvature: CAD's surfaces are piecewise developable (NeurCADRecon, Dong et al. 2024).
 
 |K| = |S₁₁ S₂₂ − S₁₂²| = |det [[H, ∇f], [∇fᵀ, 0]]| / ‖∇f‖⁴, zero on planes, cylinders and cones. The
 authors' code divides by ‖∇f‖² only, and that of arXiv 2511.08980 divides the tangent block's determinant by

@@ -1,6 +1,6 @@
 """Off-diagonal Weingarten term (ODW): no twist of the surface in a random tangent frame, or in any.
 
-FlatCAD (arXiv 2506.16627) and its scheduled form (arXiv 2511.03147), method §2. Zero on planes and spheres;
+FlatCAD (arXiv 2506.16627) and its scheduled form (arXiv 2511.03147). Zero on planes and spheres;
 on a cylinder of radius r its mean over frames is 1/(πr). Not to be confused with Gaussian curvature, which
 is zero on cylinders and cones as well. The released code leaves the division by ‖∇f‖ out.
 
@@ -25,7 +25,7 @@ def residual(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
 
 
 def mean_over_frames(jet: Jet, sample: Sample) -> Float[Tensor, "n *m"]:
-    """|κ₁ − κ₂| / π = √((S₁₁ − S₂₂)² + 4 S₁₂²) / π, one over unit length (method §3)."""
+    """|κ₁ − κ₂| / π = √((S₁₁ − S₂₂)² + 4 S₁₂²) / π, one over unit length."""
     least, greatest = principal_curvatures(jet)
     return (greatest - least) / math.pi
 

@@ -1,4 +1,4 @@
-"""Off-surface term (DNM): away from the cloud the field is not zero (method §2; SIREN eq. 6)."""
+"""Off-surface term (DNM): away from the cloud the field is not zero (SIREN eq. 6)."""
 
 from jaxtyping import Float
 from torch import Tensor
