@@ -1,6 +1,6 @@
 """Free-space term: where empty space tells inside from outside, the field has that sign and distance.
 
-Findings, "Signs from free space". Silent (zero, with zero gradient) where nothing is known.
+Silent (zero, with zero gradient) where nothing is known.
 """
 
 from jaxtyping import Float
