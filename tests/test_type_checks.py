@@ -34,6 +34,8 @@ def test_first_calls_and_some_of_the_later_ones():
 @pytest.mark.parametrize("test", ["one", "another"])
 def test_each_test_has_first_calls_of_its_own(test):
     checked = checked_at_first(doubled, typechecker=beartype)
+    with pytest.raises(TypeCheckError):
+        checked(zeros(4, 2))
     for _ in range(FIRST):
         checked(zeros(4, 3))
     checked(zeros(4, 2))

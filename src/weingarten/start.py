@@ -88,7 +88,7 @@ class Start:
             generator = torch.Generator(device).manual_seed(settings.seed)
         said = (*settings.notes, *diagnosis.notes, *cleaning, *thinning_notes(len(cloud), len(given)), *notes)
         noise = noise_level(given, tree if given is settled.points else KDTree(given))
-        misfit = noise if settled.misfit is None else settled.misfit
+        misfit = settled.misfit
         rims = tuple(frame.to_world(settled.points[rim]) for rim in settled.rims)
         against = doubts(settled.noise, draws.known, rims, frame.scale)
         return cls(
@@ -100,7 +100,7 @@ class Start:
             draws,
             generator,
             noise,
-            misfit,
+            noise if misfit is None else misfit,
             said,
             against,
         )

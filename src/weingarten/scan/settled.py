@@ -64,9 +64,10 @@ class Settled:
 
         Of Gaussian noise of standard deviation s the mean of |f| is s √(2/π).
         """
-        if self.flat is None or self.weight is None:
+        weight = self.weight
+        if self.flat is None or weight is None:
             return None
-        return float((self.weight.numpy() * self.left(self.flat, 1.0)).mean() * np.sqrt(2.0 / np.pi))
+        return float((weight.numpy() * self.left(self.flat, 1.0)).mean() * np.sqrt(2.0 / np.pi))
 
     def left(self, flat: Float64[np.ndarray, " n"], sure: float) -> Float64[np.ndarray, " n"]:
         """What is left of the noise: σ √((1 − t)² + (sure t)² / k)."""
