@@ -31,8 +31,8 @@ def python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The package after steps 1 to 3."""
     folder = tmp_path_factory.mktemp("copy")
-    without = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(ROOT / "src/weingarten", folder / "src/weingarten", ignore=without)
+    # with what Python and numba have compiled, which goes by the times of the files
+    shutil.copytree(ROOT / "src/weingarten", folder / "src/weingarten")
     term, line, row, test = blocks()
     (folder / "src/weingarten/terms/willmore.py").write_text(term, encoding="utf-8")
     methods = folder / "src/weingarten/methods.py"

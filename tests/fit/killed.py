@@ -1,11 +1,13 @@
-"""Kills a fit with a run folder before every operation on a file, one after another, and says what was left.
+"""Kills a fit with a run folder at every state of its files, one after another, and says what was left.
 
-Run by itself: `python killed.py FOLDER`. The process forks for every kill, so that imports, machine
-code and the preparation of the points are had once. Writes one JSON object: how many kills there were, and
-what is wrong.
+Run by itself: `python killed.py FOLDER`. A first fit notes, before each of its operations on a file, what
+is in the folder: kills between which nothing there changes leave the same, and one of them is enough. The
+process forks for every kill, so that imports, machine code and the preparation of the points are had once.
+Writes one JSON object: how many operations and kills there were, and what is wrong.
 """
 
 import csv
+import hashlib
 import json
 import os
 import shutil
@@ -33,7 +35,7 @@ NAMES = {
     "mesh.ply",
     "summary.json",
 }
-STEPS = 3
+STEPS, CLOUD = 3, small_cloud()
 
 
 class Stopping(Observer):
@@ -52,9 +54,9 @@ class Stopping(Observer):
 
 def fit(folder: Path, output: Path, resume: bool, seed: int = 0, observer: Observer | None = None) -> None:
     """What the command does."""
-    cloud, settings = small_cloud(), small_settings(STEPS, seed)
+    settings = small_settings(STEPS, seed)
     keeper = RunFolder(folder)
-    result = reconstruction.reconstruct(cloud, settings, run_folder=keeper, resume=resume, observer=observer)
+    result = reconstruction.reconstruct(CLOUD, settings, run_folder=keeper, resume=resume, observer=observer)
     write_mesh(output, result.mesh)
 
 
@@ -68,24 +70,39 @@ def in_a_fork(work) -> int:
 
 
 def counting(folder: Path, act) -> None:
-    """Call act(n) before the n-th operation on a file in the folder."""
-    seen = [0]
+    """Call act(n) before the n-th operation on a file in the folder, but for what it does itself."""
+    seen, acting = [0], [False]
 
     def hook(event: str, arguments: tuple) -> None:
-        if event.startswith(("open", "os.", "shutil.")) and str(folder) in str(arguments[0]):
+        ours = event.startswith(("open", "os.", "shutil.")) and str(folder) in str(arguments[0])
+        if ours and not acting[0]:
             seen[0] += 1
+            acting[0] = True
             act(seen[0])
+            acting[0] = False
 
     sys.addaudithook(hook)
 
 
-def operations(folder: Path, work) -> int:
-    """How many operations on files the work consists of."""
+def operations(folder: Path, output: Path, work) -> list[str]:
+    """Of each operation on a file that the work consists of, what there is before it."""
     reading, writing = os.pipe()
-    in_a_fork(lambda: (counting(folder, lambda n: os.write(writing, b"x")), work()))
+
+    def note(_: int) -> None:
+        os.write(writing, contents(folder, output).encode() + b"\n")
+
+    in_a_fork(lambda: (counting(folder, note), work()))
     os.close(writing)
-    with os.fdopen(reading, "rb") as stream:
-        return len(stream.read())
+    with os.fdopen(reading, encoding="ascii") as stream:
+        return stream.read().split()
+
+
+def contents(folder: Path, output: Path) -> str:
+    """A hash of every byte of the files, and of their names but for what is random in temporary ones."""
+    found = hashlib.sha256()
+    for path in [output, *sorted(folder.rglob("*"))]:
+        found.update(path.name.split("-")[0].encode() + (path.read_bytes() if path.is_file() else b""))
+    return found.hexdigest()
 
 
 def state(folder: Path) -> tuple:
@@ -149,20 +166,21 @@ def killed(folder: Path, whole: Path, output: Path, resumed: bool) -> dict:
     def work() -> None:
         fit(trial, output, resumed)
 
-    start = Start.of(small_cloud(), small_settings(STEPS), reconstruction.chosen_device("cpu"))
+    start = Start.of(CLOUD, small_settings(STEPS), reconstruction.chosen_device("cpu"))
     # every fit from here on is in a fork, and may use up its own copy
     reconstruction.Start = SimpleNamespace(of=lambda *_: start)
     fresh()
-    total = operations(trial, work)
-    for n in range(1, total + 1):
+    found = operations(trial, output, work)
+    kills = sorted(found.index(contents) + 1 for contents in set(found))
+    for n in kills:
         fresh()
         kill = lambda at, n=n: os.kill(os.getpid(), signal.SIGKILL) if at == n else None  # noqa: E731
         status = in_a_fork(lambda kill=kill: (counting(trial, kill), work()))
         if os.WTERMSIG(status) != signal.SIGKILL:
             wrong[n] = ["it was not killed"]
-        elif found := faults(trial, output, whole, earlier, seen):
-            wrong[n] = found
-    return {"kills": total, "states": len(seen), "wrong": wrong}
+        elif told := faults(trial, output, whole, earlier, seen):
+            wrong[n] = told
+    return {"operations": len(found), "kills": len(kills), "states": len(seen), "wrong": wrong}
 
 
 def main() -> None:

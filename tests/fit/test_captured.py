@@ -26,6 +26,9 @@ SMALL |= {"rate": cosine, "base_rate": 5e-4}
 SINES = [name for name, method in METHODS.items() if method.field is Siren]
 """Other fields' steps are not recorded."""
 
+WHOLE = SMALL | {"steps": 40}
+"""Of a fit that is compared with another from its first step to its last: one whole stride and a part."""
+
 HOW = ((adam, True), (muon, False))
 """By turns; one method has all."""
 
@@ -61,7 +64,7 @@ def assert_same_fit(plain, other):
 def test_the_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed_draws, method, builder, double):
     loops = []
     for _ in range(2):
-        loop = make_loop(METHODS[method], draws=signed_draws, double=double, **SMALL)
+        loop = make_loop(METHODS[method], draws=signed_draws, double=double, **WHOLE)
         loop.optimisers = builder(loop.field)
         loops.append(loop)
     assert_same_fit(loops[0], captured(loops[1]))
@@ -70,7 +73,7 @@ def test_the_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed_draws, m
 def test_an_ensembles_fit_is_that_of_the_plain_loop_to_the_bit(make_loop, signed_draws):
     loops = []
     for _ in range(2):
-        loop = make_loop(METHODS["odw"], draws=Interleaved([signed_draws] * 2), **SMALL)
+        loop = make_loop(METHODS["odw"], draws=Interleaved([signed_draws] * 2), **WHOLE)
         sirens = [Siren(16, 3, generator=torch.Generator().manual_seed(i)) for i in range(2)]
         loop.field = Ensemble.of(sirens)
         loop.generator = Generators([torch.Generator().manual_seed(i) for i in range(2)])

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 
-def test_killed_before_every_operation_and_gone_on_with(tmp_path):
-    """By signal 9, before every operation of a fit begun over an earlier one, and of a resumed one."""
+def test_killed_at_every_state_of_its_files_and_gone_on_with(tmp_path):
+    """By signal 9, in a fit begun over an earlier one and in a resumed one: see killed.py."""
     program = Path(__file__).parent / "killed.py"
     words = [sys.executable, str(program), str(tmp_path)]
     # it forks, and a copy of a process has none of the threads of OpenMP that it may wait for
@@ -17,5 +17,6 @@ def test_killed_before_every_operation_and_gone_on_with(tmp_path):
     assert said.returncode == 0, said.stderr
     for found in json.loads(said.stdout).values():
         assert found["wrong"] == {}
-        assert found["kills"] > 40
+        assert found["operations"] > 40
+        assert found["kills"] > 15
         assert found["states"] > 8
