@@ -9,6 +9,7 @@ from weingarten.frame import Frame
 from weingarten.measure.free_form import free_patches
 from weingarten.measure.growing import Region
 from weingarten.measure.labels import NONE, Labels, label_areas, labelled
+from weingarten.measure.narrow import flattened, narrow_planes
 from weingarten.measure.plane import Plane
 from weingarten.measure.primitive import Primitive
 from weingarten.measure.related import related
@@ -78,8 +79,11 @@ def measurement(mesh: Mesh, field: WorldFunction, points: Points) -> Measurement
     skin = Skin.of(chosen, field, frame)
     tolerance = float(np.hypot(TOLERANCE * skin.spacing, SIGMAS * skin.noise))
     regions = settled(segmented(skin, tolerance), skin, tolerance)
+    regions = flattened(regions, skin, tolerance)
     regions = needed(merged(regions, skin, tolerance), skin, tolerance)
     regions = settled(regions, skin, tolerance)
+    regions = settled(merged(regions, skin, tolerance), skin, tolerance)
+    regions += narrow_planes(regions, skin, tolerance)
     unit = Mesh(frame.to_unit(mesh.vertices), mesh.faces)
     labels = labelled(unit, regions, skin)
     areas, _ = label_areas(unit, labels, len(regions))
