@@ -3,13 +3,15 @@
     python runs/soak.py --fits 200
 
 fits a bundled part again and again, with another seed each time, extracts, writes and reads the mesh, and
-writes results/soak.csv, a row a fit, and results/soak.md. Memory is what the process has resident after
-a collection of garbage; its slope is that of the straight line of least squares through all fits after the
-first quarter.
+writes results/soak.csv, a row a fit, and results/soak.md. Memory is, after a collection of garbage, what
+the process has resident, and what of it the C library has handed out and not got back: the first also grows
+by gaps between what is in use. The slopes are those of the straight lines of least squares through all fits
+after the first quarter.
 """
 
 import argparse
 import csv
+import ctypes
 import gc
 import shlex
 import sys
@@ -30,8 +32,37 @@ from weingarten.settings import resolve
 
 ROOT = Path(__file__).parents[1]
 WARM_UP = 0.25
-COLUMNS = ("fit", "seconds", "resident_mb", "threads", "files")
-Row = tuple[int, float, float, int, int]
+COLUMNS = ("fit", "seconds", "resident_mb", "in_use_mb", "threads", "files")
+Row = tuple[int, float, float, float, int, int]
+
+GLIBC = (
+    "arena",
+    "ordblks",
+    "smblks",
+    "hblks",
+    "hblkhd",
+    "usmblks",
+    "fsmblks",
+    "uordblks",
+    "fordblks",
+    "keepcost",
+)
+
+
+class Allocated(ctypes.Structure):
+    """What glibc's mallinfo2 returns."""
+
+    _fields_ = [(name, ctypes.c_size_t) for name in GLIBC]
+
+
+def in_use() -> float:
+    """MB that are handed out, from the heaps and as mappings of their own; NaN without glibc 2.33."""
+    ask = getattr(ctypes.CDLL(None), "mallinfo2", None)
+    if ask is None:
+        return float("nan")
+    ask.restype = Allocated
+    found = ask()
+    return (found.uordblks + found.hblkhd) / 2**20
 
 
 def fitted(number: int, folder: Path) -> Row:
@@ -45,25 +76,27 @@ def fitted(number: int, folder: Path) -> Row:
     gc.collect()
     process = psutil.Process()
     seconds, resident = time.perf_counter() - started, process.memory_info().rss / 2**20
-    return number, round(seconds, 3), round(resident, 2), threading.active_count(), process.num_fds()
+    memory = round(resident, 2), round(in_use(), 3)
+    return number, round(seconds, 3), *memory, threading.active_count(), process.num_fds()
+
+
+def trend(fits: np.ndarray, memory: np.ndarray) -> str:
+    """Of memory in MB over the fits' numbers, in words."""
+    slope, start = np.polyfit(fits, memory, 1)
+    spread = float(np.std(memory - (start + slope * fits)))
+    error = spread / (float(np.std(fits)) * len(fits) ** 0.5)
+    first, second = np.split(memory, [len(memory) // 2])
+    return (
+        f"{1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (scatter {spread:.2f} MB); "
+        f"mean of the first half {first.mean():.2f} MB, of the second {second.mean():.2f}, "
+        f"least {memory.min():.1f}, most {memory.max():.1f};"
+    )
 
 
 def page(rows: list[Row], source: str) -> str:
     """The figures in words. source: the commit that was run."""
     table = np.array(rows, dtype=np.float64)
     warm = table[int(WARM_UP * len(table)) :]
-    fits, resident = warm[:, 0], warm[:, 2]
-    slope, start = np.polyfit(fits, resident, 1)
-    spread = float(np.std(resident - (start + slope * fits)))
-    error = spread / (float(np.std(fits)) * len(fits) ** 0.5)
-    half = len(resident) // 2
-    deviation, half_means = np.std(fits), (resident[:half].mean(), resident[half:].mean())
-    memory = (
-        f"resident memory: {1024 * slope:+.1f} kB a fit ± {1024 * error:.1f} (least squares; the error is "
-        f"the scatter, {spread:.2f} MB, over the standard deviation of the fits' numbers, {deviation:.1f}, "
-        f"times √{len(fits)}); mean of the first half {half_means[0]:.1f} MB, of the second "
-        f"{half_means[1]:.1f}, least {resident.min():.1f}, most {resident.max():.1f};"
-    )
     lines = [
         "# Many fits in one process",
         "",
@@ -72,9 +105,13 @@ def page(rows: list[Row], source: str) -> str:
         f"{len(rows)} fits of the bundled flange, 1,500 points, 30 steps, resolution 32, "
         f"{np.median(table[:, 1]):.1f} s each. After the first {len(rows) - len(warm)}:",
         "",
-        f"- {memory}",
-        f"- threads: {warm[:, 3].min():.0f} to {warm[:, 3].max():.0f};",
-        f"- open files: {warm[:, 4].min():.0f} to {warm[:, 4].max():.0f}.",
+        f"- resident memory: {trend(warm[:, 0], warm[:, 2])}",
+        f"- of it in use: {trend(warm[:, 0], warm[:, 3])}",
+        f"- threads: {warm[:, 4].min():.0f} to {warm[:, 4].max():.0f};",
+        f"- open files: {warm[:, 5].min():.0f} to {warm[:, 5].max():.0f}.",
+        "",
+        "Slopes by least squares; their error is the scatter about the line, over the standard deviation of "
+        f"the fits' numbers, {np.std(warm[:, 0]):.1f}, times √{len(warm)}.",
         "",
     ]
     return "\n".join(lines)

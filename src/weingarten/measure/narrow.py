@@ -23,7 +23,7 @@ MOSTLY = 0.9
 
 
 def narrow_planes(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
-    """Planes that points of no region lie on to a two-hundredth of their spacing; none where points are noisy.
+    """Planes on which points of no region are, to a two-hundredth of their spacing; none where noise is.
 
     Nothing is asked of the field, which rounds what is so narrow. Free-form surface has no such planes: of a
     connected piece of it, a slab so thin holds a small share, and EXPLAINED of the piece is asked for.
