@@ -11,10 +11,10 @@ from collections.abc import Callable
 
 import jaxtyping
 
-FIRST = 12
+FIRST = 6
 """So many calls of a function in a test are checked."""
 
-EVERY = 17
+EVERY = 31
 """And afterwards one of so many: a prime, for calls come in rounds."""
 
 CALLS: Counter[int] = Counter()
