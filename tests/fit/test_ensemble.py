@@ -21,7 +21,7 @@ from weingarten.scan.interleaved import Interleaved
 from weingarten.scan.oriented_draws import OrientedDraws
 from weingarten.schedules.schedule import constant
 
-STEPS, FEW = 30, 12
+STEPS, FEW = 30, 8
 SETTING = {"rate": cosine, "base_rate": 5e-4, "steps": STEPS, "points": 40, "clip": 10.0, "ramp": (0.5, 1.5)}
 
 

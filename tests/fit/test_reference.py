@@ -1,4 +1,4 @@
-"""The `paper` setting against a plain reference, over 40 to 120 steps that span the whole of each schedule.
+"""The `paper` setting against a plain reference, over 40 to 80 steps that span the whole of each schedule.
 
 Two fits of the same loss part from each other: with the paper's ω₀ and ODW weight a step multiplies a
 difference of the weights by up to 10 (width 256), and Adam's first step takes the sign of every gradient,
@@ -27,7 +27,7 @@ assert spec.loader is not None
 reference = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(reference)
 
-STEPS = 120
+STEPS = 80
 LOOKED_AT = {"quintic": 1}
 """Every how many steps a float32 curve is compared: at all of the paper's schedule, every fifth of others."""
 STENCIL = {"odw-paper": None, "odw-paper-fd": 0.05}
