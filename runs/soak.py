@@ -1,9 +1,10 @@
 """Many small fits in one process: memory, threads and open files stay as they are.
 
     python runs/soak.py --fits 200
+    python runs/soak.py --fits 100 --same -o results/soak-same.md
 
-fits a bundled part again and again, with another seed each time, extracts, writes and reads the mesh, and
-writes results/soak.csv, a row a fit, and results/soak.md. Memory is, after a collection of garbage, what
+fits a bundled part again and again, with another seed each time or with the same, extracts, writes and reads
+the mesh, and writes results/soak.csv, a row a fit, and results/soak.md. Memory is, after a collection of garbage, what
 the process has resident, and what of it the C library has handed out and not got back: the first also grows
 by gaps between what is in use. The slopes are those of the straight lines of least squares through all fits
 after the first quarter.
@@ -65,11 +66,11 @@ def in_use() -> float:
     return (found.uordblks + found.hblkhd) / 2**20
 
 
-def fitted(number: int, folder: Path) -> Row:
+def fitted(number: int, seed: int, folder: Path) -> Row:
     """One fit, and what the process has after it."""
     started = time.perf_counter()
-    settings = resolve(steps=30, points=100, resolution=32, seed=number)
-    result = reconstruct(sample_part("flange", 1500, number), settings, run_folder=folder / "run")
+    settings = resolve(steps=30, points=100, resolution=32, seed=seed)
+    result = reconstruct(sample_part("flange", 1500, seed), settings, run_folder=folder / "run")
     write_mesh(folder / "part.stl", result.mesh)
     read_mesh(folder / "part.stl")
     del result
@@ -124,11 +125,13 @@ def main() -> None:
     )
     parser.add_argument("--fits", type=int, default=200)
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "results" / "soak.md")
+    parser.add_argument("--same", action="store_true", help="the same seed and points in every fit")
     arguments = parser.parse_args()
     # what runs is what is there now, whatever is checked out before the last fit
     source = commit(ROOT)
     with tempfile.TemporaryDirectory() as folder:
-        rows = [fitted(number, Path(folder)) for number in range(arguments.fits)]
+        seeds = [0 if arguments.same else number for number in range(arguments.fits)]
+        rows = [fitted(number, seed, Path(folder)) for number, seed in enumerate(seeds)]
     table = arguments.output.with_suffix(".csv")
     with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *rows])
