@@ -4,10 +4,10 @@
     python runs/soak.py --fits 100 --same -o results/soak-same.md
 
 fits a bundled part again and again, with another seed each time or with the same, extracts, writes and reads
-the mesh, and writes results/soak.csv, a row a fit, and results/soak.md. Memory is, after a collection of garbage, what
-the process has resident, and what of it the C library has handed out and not got back: the first also grows
-by gaps between what is in use. The slopes are those of the straight lines of least squares through all fits
-after the first quarter.
+the mesh, and writes results/soak.csv, a row a fit, and results/soak.md. Memory is, after a collection of
+garbage, what the process has resident, and what of it the C library has handed out and not got back: the
+first also grows by gaps between what is in use. The slopes are those of the straight lines of least squares
+through all fits after the first quarter.
 """
 
 import argparse
