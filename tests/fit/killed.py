@@ -171,7 +171,7 @@ def killed(folder: Path, whole: Path, output: Path, resumed: bool) -> dict:
     reconstruction.Start = SimpleNamespace(of=lambda *_: start)
     fresh()
     found = operations(trial, output, work)
-    kills = sorted(found.index(contents) + 1 for contents in set(found))
+    kills = sorted(found.index(each) + 1 for each in set(found))
     for n in kills:
         fresh()
         kill = lambda at, n=n: os.kill(os.getpid(), signal.SIGKILL) if at == n else None  # noqa: E731

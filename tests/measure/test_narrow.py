@@ -93,3 +93,11 @@ def test_a_bent_surface_whose_points_are_on_a_plane_becomes_it():
     assert isinstance(made[0].surface, Plane)
     assert len(made[0].members) == 160
     assert made[1:] == [round_one, flat]
+
+
+def test_a_tube_that_has_taken_points_of_a_plane_stays_one():
+    angles, height = np.random.default_rng(6).uniform(0, 2 * np.pi, 160), np.linspace(-0.3, 0.3, 160)
+    wall = np.column_stack([height, 0.1 * np.cos(angles), -0.3 + 0.1 * np.sin(angles)])
+    tube = Cylinder(Axis(np.array([0.0, 0.0, -0.3]), np.array([1.0, 0.0, 0.0])), 0.1)
+    mixed = Region(tube, np.arange(320), 300.0)
+    assert flattened([mixed], skin_of(np.concatenate([rim(160, 0.3), wall])), TOLERANCE) == [mixed]

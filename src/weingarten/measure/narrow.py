@@ -19,7 +19,8 @@ EXACTLY = 0.05
 """Share of the tolerance within which a point is on a plane by more than chance."""
 
 MOSTLY = 0.9
-"""Share of the points about a plane that have to be on it: else they are noisy, and its slabs no planes."""
+"""Share of the points about a plane that have to be on it: else they are noisy, and its slabs no planes.
+The same share of a bent surface's points has to be on a plane that takes its place."""
 
 
 def narrow_planes(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
@@ -44,14 +45,18 @@ def narrow_planes(regions: list[Region], skin: Skin, tolerance: float) -> list[R
 
 
 def flattened(regions: list[Region], skin: Skin, tolerance: float) -> list[Region]:
-    """With planes in place of bent surfaces whose points lie exactly on one: only the field is bent there."""
+    """With planes in place of bent surfaces most of whose points lie exactly on one: only the field bends."""
     if skin.noise > 0.0:
         return regions
-    flat = [
-        None if isinstance(region.surface, Plane) else plane_of(region.members, skin, tolerance)
-        for region in regions
-    ]
-    return [plane or region for plane, region in zip(flat, regions, strict=True)]
+    return [flat_or_same(region, skin, tolerance) for region in regions]
+
+
+def flat_or_same(region: Region, skin: Skin, tolerance: float) -> Region:
+    """The plane that MOSTLY all points of a region lie on, else the region."""
+    if isinstance(region.surface, Plane):
+        return region
+    plane = plane_of(region.members, skin, tolerance)
+    return region if plane is None or len(plane.members) < MOSTLY * len(region.members) else plane
 
 
 def pieces(index: Indices, skin: Skin) -> list[Int64[np.ndarray, " _"]]:
