@@ -13,6 +13,7 @@ from weingarten.measure.torus import Torus
 
 SPACING, TOLERANCE = 0.01, 0.001
 UP = np.array([0.0, 0.0, 1.0])
+TUBE = Cylinder(Axis(np.array([0.0, 0.0, -0.3]), np.array([1.0, 0.0, 0.0])), 0.1)
 
 
 def skin_of(points: np.ndarray, noise: float = 0.0) -> Skin:
@@ -36,6 +37,12 @@ def cap(count: int) -> np.ndarray:
     """Points of a free-form surface, far below: a bowl of sixty spacings' radius."""
     x, y = np.random.default_rng(2).uniform(-0.2, 0.2, (2, count))
     return np.column_stack([x, y, -0.5 + (x**2 + 0.5 * y**2) / 1.2 + 0.1 * x**3])
+
+
+def wall(count: int) -> np.ndarray:
+    """Points of the tube."""
+    angles, height = np.random.default_rng(5).uniform(0, 2 * np.pi, count), np.linspace(-0.3, 0.3, count)
+    return np.column_stack([height, 0.1 * np.cos(angles), -0.3 + 0.1 * np.sin(angles)])
 
 
 def disc(count: int, centre: tuple[float, float, float]) -> np.ndarray:
@@ -82,12 +89,9 @@ def test_nothing_is_told_where_points_are_noisy():
 
 
 def test_a_bent_surface_whose_points_are_on_a_plane_becomes_it():
-    tube = Cylinder(Axis(np.array([0.0, 0.0, -0.3]), np.array([1.0, 0.0, 0.0])), 0.1)
-    angles, height = np.random.default_rng(5).uniform(0, 2 * np.pi, 300), np.linspace(-0.3, 0.3, 300)
-    wall = np.column_stack([height, 0.1 * np.cos(angles), -0.3 + 0.1 * np.sin(angles)])
-    skin = skin_of(np.concatenate([rim(160, 0.3), wall]))
+    skin = skin_of(np.concatenate([rim(160, 0.3), wall(300)]))
     bent = Region(Torus(Axis(np.zeros(3), UP), 2.0, 0.5), np.arange(160), 1.0)
-    round_one = Region(tube, np.arange(160, 460), 300.0)
+    round_one = Region(TUBE, np.arange(160, 460), 300.0)
     flat = Region(Plane(np.array([0.0, 0.0, 0.3]), UP), np.arange(160), 160.0)
     made = flattened([bent, round_one, flat], skin, TOLERANCE)
     assert isinstance(made[0].surface, Plane)
@@ -96,8 +100,5 @@ def test_a_bent_surface_whose_points_are_on_a_plane_becomes_it():
 
 
 def test_a_tube_that_has_taken_points_of_a_plane_stays_one():
-    angles, height = np.random.default_rng(6).uniform(0, 2 * np.pi, 160), np.linspace(-0.3, 0.3, 160)
-    wall = np.column_stack([height, 0.1 * np.cos(angles), -0.3 + 0.1 * np.sin(angles)])
-    tube = Cylinder(Axis(np.array([0.0, 0.0, -0.3]), np.array([1.0, 0.0, 0.0])), 0.1)
-    mixed = Region(tube, np.arange(320), 300.0)
-    assert flattened([mixed], skin_of(np.concatenate([rim(160, 0.3), wall])), TOLERANCE) == [mixed]
+    mixed = Region(TUBE, np.arange(320), 300.0)
+    assert flattened([mixed], skin_of(np.concatenate([rim(160, 0.3), wall(160)])), TOLERANCE) == [mixed]
