@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     with importing():
         from weingarten.atomic import check_writable
         from weingarten.device import chosen_device
-        from weingarten.fit.run_folder import opened
+        from weingarten.fit.run_folder import PRIMITIVES, opened
         from weingarten.measure.files import write_json, write_measurement
         from weingarten.measure.listing import listing
         from weingarten.measure.measurement import measurement
@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     folder = arguments.folder
     checkpoint, points = opened(folder)
     mesh = mesh_of(folder)
-    check_writable(folder / "primitives.json")
+    check_writable(folder / PRIMITIVES)
     if arguments.output is not None:
         check_writable(arguments.output)
     if checkpoint.step < checkpoint.origin.settings.steps:

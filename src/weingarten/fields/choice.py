@@ -17,8 +17,8 @@ from weingarten.fields.softplus import SoftplusNet
 from weingarten.fields.sphered import Sphered
 
 DIGS_RADIUS, DIGS_SLOPE = 1.6 / 1.11, 0.111
-"""Of the authors' first field, 0.1 (1.11 ‖x‖ − 1.6), unit lengths: a sphere around the whole box, ten times
-flatter than a distance."""
+"""Of the authors' first field, 0.1 (1.11 ‖x‖ − 1.6), unit lengths: a sphere of radius 1.44, past the faces of
+the box but not its corners, nine times flatter than a distance."""
 
 FieldMaker = Callable[[int, int, float, torch.Generator | None], nn.Module]
 

@@ -21,7 +21,7 @@ LOW = 0.25
 """Share of the first layer's units that are heard at first, in the multi-frequency initialisation."""
 
 LINKS = 0.0005
-"""How much weaker the second layer listens to the others."""
+"""Standard deviation of the second layer's weights, but the quarter's own, times the root of the width."""
 
 JITTER = 0.001
 """Standard deviation about ½π of the last sine layer's weights, before they are divided by ω₀."""
@@ -48,9 +48,10 @@ def geometric(siren: Siren, generator: torch.Generator | None = None) -> None:
 def multi_frequency(siren: Siren, generator: torch.Generator | None = None) -> None:
     """Multi-frequency geometric initialisation (MFGI), in place: high frequencies are there, but unheard.
 
-    A quarter of the first layer's units begins as in `geometric`, the others with frequencies of up to ω₀
-    periods; the second layer hears the quarter, and the others LINKS times as much. The authors' quarter has
-    frequencies of up to one period, at which sines are no longer lines and the sphere is less of one.
+    A quarter of the first layer's units begins as in `geometric`, the others with up to ω₀ radians a unit
+    length along each axis. The second layer's weights are orthogonal / ω₀ within the quarter and small, by
+    LINKS, everywhere else. The authors' quarter has frequencies of up to one period, at which sines are no
+    longer lines and the sphere is less of one.
     Raises ValueError for a field of fewer than three sine layers.
     """
     check_depth(siren, 3)

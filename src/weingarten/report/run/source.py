@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Float64
 
 from weingarten.errors import InputError
+from weingarten.fit.run_folder import MADE, PRIMITIVES
 from weingarten.io.mesh import read_mesh
 from weingarten.mesh import Mesh
 from weingarten.report.curves import Columns, read_curve
 
 Points = Float64[np.ndarray, "n 3"]
 
-CONFIG, MADE, PRIMITIVES = "config.toml", "made.json", "primitives.json"
+CONFIG = "config.toml"
 
 
 @dataclass(frozen=True)
