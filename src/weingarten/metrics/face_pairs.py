@@ -35,9 +35,14 @@ def volume(p, a, b, c):
 
 
 @compiled
-def crosses(p, q, face):
-    """Whether the edge pq crosses the inside of a face."""
-    a, b, c = face[0], face[1], face[2]
+def corner(corners, face, place):
+    """Where a corner is: three numbers, as views of the array take time to make."""
+    return corners[face, place, 0], corners[face, place, 1], corners[face, place, 2]
+
+
+@compiled
+def crosses(p, q, a, b, c):
+    """Whether the edge pq crosses the inside of the face abc."""
     if volume(p, a, b, c) * volume(q, a, b, c) >= 0.0:
         return False
     first, second, third = volume(p, q, a, b), volume(p, q, b, c), volume(p, q, c, a)
@@ -45,22 +50,24 @@ def crosses(p, q, face):
 
 
 @compiled
-def common(own, other):
-    """How many corners two faces have in common, and the number in `own` of the last of them."""
-    count, place = 0, -1
+def common(faces, one, other):
+    """How many corners two faces have in common, and the places in both of the last of them."""
+    count, place, its = 0, -1, -1
     for i in range(3):
         for j in range(3):
-            if own[i] == other[j]:
+            if faces[one, i] == faces[other, j]:
                 count += 1
-                place = i
-    return count, place
+                place, its = i, j
+    return count, place, its
 
 
 @compiled
-def passes(one, other, place):
+def passes(corners, one, other, place):
     """Whether an edge of a face crosses another face: all three, or the one opposite to corner `place`."""
+    a, b, c = corner(corners, other, 0), corner(corners, other, 1), corner(corners, other, 2)
     for i in range(3):
-        if (place < 0 or i == (place + 1) % 3) and crosses(one[i], one[(i + 1) % 3], other):
+        asked = place < 0 or i == (place + 1) % 3
+        if asked and crosses(corner(corners, one, i), corner(corners, one, (i + 1) % 3), a, b, c):
             return True
     return False
 
@@ -77,19 +84,18 @@ def mark(corners, faces, lowest, highest, keys, owners, side, cell, found):
             one = owners[m]
             for n in range(m + 1, end):
                 other = owners[n]
-                apart, key = False, 0
+                key = 0
                 for axis in range(3):
                     low = max(lowest[one, axis], lowest[other, axis])
-                    apart |= low > min(highest[one, axis], highest[other, axis])
+                    if low > min(highest[one, axis], highest[other, axis]):
+                        key = -1
+                        break
                     key = key * side + int(low / cell)
-                if apart or key != keys[start] or (found[one] and found[other]):
+                if key != keys[start] or (found[one] and found[other]):
                     continue
-                count, own_place = common(faces[one], faces[other])
+                count, place, its = common(faces, one, other)
                 if count > 1:
                     continue
-                other_place = common(faces[other], faces[one])[1]
-                if passes(corners[one], corners[other], own_place) or passes(
-                    corners[other], corners[one], other_place
-                ):
+                if passes(corners, one, other, place) or passes(corners, other, one, its):
                     found[one] = found[other] = True
         start = end

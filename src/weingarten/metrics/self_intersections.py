@@ -31,20 +31,22 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     found = np.zeros(len(mesh.faces), dtype=bool)
     if len(found) < 2:
         return found
-    corners = mesh.corners - mesh.vertices.min(axis=0)
-    lowest, highest = corners.min(axis=1), corners.max(axis=1)
+    corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.faces]
+    first, second, third = corners.transpose(1, 0, 2)
+    lowest = np.minimum(np.minimum(first, second), third)
+    highest = np.maximum(np.maximum(first, second), third)
     extent = (highest - lowest).max(axis=1)
     cell = max(float(2.0 * np.median(extent)), float(highest.max()) / MOST_CELLS)
     if not cell > 0.0:
         return found
     while True:
-        first, last = (lowest / cell).astype(np.int64), (highest / cell).astype(np.int64)
-        entries = int((last - first + 1).prod(axis=1).sum())
+        begin, end = (lowest / cell).astype(np.int64), (highest / cell).astype(np.int64)
+        entries = int((end - begin + 1).prod(axis=1).sum())
         if entries <= MOST_ENTRIES * len(found):
             break
         cell *= GROWTH
-    side = int(last.max()) + 1
-    keys, owners = reached(first, last, side, entries)
+    side = int(end.max()) + 1
+    keys, owners = reached(begin, end, side, entries)
     order = np.argsort(keys, kind="stable")
     mark(corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
     return found
