@@ -257,7 +257,7 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
     values, settings = field_values(module, crew), origin.settings
     lower, upper = np.array(origin.lower), np.array(origin.upper)
     planes = field_planes(module, crew)
-    mesher = SharpContour(planes, cloud_planes(unit, planes)) if settings.sharp else marching_cubes
+    mesher = SharpContour(planes, cloud_planes(unit, planes), crew) if settings.sharp else marching_cubes
 
     def made(values: Values) -> Extraction:
         return extraction(values, lower, upper, origin.cells, BATCH, crew, mesher)

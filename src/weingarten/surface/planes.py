@@ -18,8 +18,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 from scipy.spatial import KDTree
+
+from weingarten.crew import Crew
 
 Points = Float64[np.ndarray, "n 3"]
 
@@ -60,10 +62,10 @@ Measure = Callable[[Points], Planes]
 """The planes of a surface near given points."""
 
 
-def unrounded(planes: Planes, known: Planes = NOTHING) -> tuple[Points, Points]:
+def unrounded(planes: Planes, known: Planes = NOTHING, crew: Crew | None = None) -> tuple[Points, Points]:
     """Points and normals, in the round replaced by those of the surface beside it.
 
-    known: planes of the same surface that nothing has rounded.
+    known: planes of the same surface that nothing has rounded. crew: who does the work.
     """
     points, normals = planes.points.copy(), planes.normals.copy()
     bent = np.nonzero(planes.bend > BENT)[0]
@@ -73,15 +75,20 @@ def unrounded(planes: Planes, known: Planes = NOTHING) -> tuple[Points, Points]:
     beside = np.concatenate([planes.points, known.points])
     facing = np.concatenate([planes.normals, known.normals]).T.copy()
     tree = KDTree(beside)
-    for piece in np.array_split(bent, -(-len(bent) // PIECE)):
+
+    def turn(piece: Int64[np.ndarray, " m"]) -> None:
         own = planes.points[piece]
-        distance, around = tree.query(own, k=MOST, distance_upper_bound=REACH, workers=-1)
+        distance, around = tree.query(own, k=MOST, distance_upper_bound=REACH)
         there = np.isfinite(distance)
         around = np.where(there, around, piece[:, None])
         share = np.exp(-0.5 * (distance / SPREAD) ** 2) * trust[around]
         chord = beside.T[:, around] - own.T[:, :, None]
-        points[piece], normals[piece] = shifted(planes.normals[piece], facing[:, around], chord, share)
-        points[piece] += own
+        move, normals[piece] = shifted(planes.normals[piece], facing[:, around], chord, share)
+        points[piece] = own + move
+
+    crew = crew or Crew()
+    with crew:
+        crew.map(turn, np.array_split(bent, -(-len(bent) // PIECE)))
     return points, normals
 
 

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int, Int64
 
+from weingarten.crew import Crew
 from weingarten.mesh import Mesh
 from weingarten.surface.cases import AXIS, END, START, loops
 from weingarten.surface.cells import Cells, numbered
@@ -75,16 +76,17 @@ class Crossings:
 class SharpContour:
     """A mesher whose vertices lie on sharp edges.
 
-    measure: tells the planes of the surface near points. known: planes of it that nothing has rounded.
+    measure: tells the planes of the surface near points. known: planes of it that nothing has rounded. crew:
+    who does the work.
     """
 
-    def __init__(self, measure: Measure, known: Planes = NOTHING) -> None:
-        self.measure, self.known = measure, known
+    def __init__(self, measure: Measure, known: Planes = NOTHING, crew: Crew | None = None) -> None:
+        self.measure, self.known, self.crew = measure, known, crew or Crew()
 
     def __call__(self, cells: Cells) -> Mesh:
         """The mesh of all cells."""
         crossings = Crossings.of(cells)
-        points, normals = unrounded(self.measure(crossings.points), self.known)
+        points, normals = unrounded(self.measure(crossings.points), self.known, self.crew)
         vertices = placed(crossings, points, normals, STEP * cells.lattice.step)
         return joined(vertices, crossings, points, normals)
 
