@@ -32,6 +32,7 @@ from weingarten.summary import Summary, borne_out, summarise
 from weingarten.surface.cloud_planes import cloud_planes
 from weingarten.surface.contour import Extraction, extraction
 from weingarten.surface.decimation import Decimation, decimated, required
+from weingarten.surface.folds import unfolded
 from weingarten.surface.handles import reach_of, without_handles
 from weingarten.surface.lattice import Lattice
 from weingarten.surface.marching_cubes import marching_cubes
@@ -273,9 +274,10 @@ def surface(module: nn.Module, origin: Origin, unit: Points, crew: Crew) -> tupl
         notes = (*notes, f"{dropped:,} faces that no points support were removed as ghosts.")
     if settings.sharp:
         whole, reach, jets = mesh, reach_of(unit, origin.apart), field_jets(module, crew)
-        mesh = without_handles(whole, remade, values, jets, reach, Lattice.over(lower, upper, origin.cells))
+        lattice = Lattice.over(lower, upper, origin.cells)
+        mesh = without_handles(whole, remade, values, jets, reach, lattice)
         notes = (*notes, *handle_notes(whole, mesh, 2.0 * reach * origin.frame.scale))
-        mesh = within_outer_faces(mesh, unit)
+        mesh = unfolded(within_outer_faces(mesh, unit), lattice.step)
     if settings.trim > 0.0:
         mesh = trimmed(mesh, unit, settings.trim / origin.frame.scale)
     if settings.simplify > 0.0:
