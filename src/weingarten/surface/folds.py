@@ -1,4 +1,4 @@
-"""No faces that pass through others: the folds that vertices on sharp edges leave behind are laid flat.
+"""Faces that pass through others are laid flat: the folds that vertices on sharp edges leave behind.
 
 A vertex that was put onto an edge may come to lie beyond its neighbours. Those of faces that pass through
 others go half way to the mean of their neighbours, v ← ½ (v + mean), until no face does: one to three rounds
