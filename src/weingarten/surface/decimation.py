@@ -35,7 +35,7 @@ SHARE = 0.999
 nobody's surface, and no mesh of few triangles comes near them."""
 
 FOLD = 4.0
-"""Tolerances that a vertex may be moved by where faces pass through each other: a few in ten thousand."""
+"""Tolerances that a vertex may be moved by where faces pass through each other."""
 
 PROBES = 100_000
 """About so many places of a new mesh are measured, beside all vertices of the one that it stands for."""
