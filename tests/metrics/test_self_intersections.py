@@ -4,6 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from trimesh.creation import box
 
 from weingarten.mesh import Mesh
 from weingarten.metrics.self_intersections import self_intersecting
@@ -58,6 +60,18 @@ def test_faces_with_common_corners(seed):
 
 def test_a_proper_surface_has_none():
     assert not self_intersecting(part_mesh("flange", 64)).any()
+
+
+@pytest.mark.parametrize("away", [0.0, 1e3])
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("seed", range(3))
+def test_faces_in_one_plane_have_none_whatever_rounding_makes_of_the_plane(seed, scale, away):
+    flat = box((1.0, 1.0, 1.0))
+    for _ in range(4):
+        flat = flat.subdivide()
+    turn = Rotation.random(rng=seed).as_matrix()
+    vertices = scale * (np.asarray(flat.vertices) @ turn.T) + away * scale
+    assert not self_intersecting(Mesh(vertices, np.asarray(flat.faces, dtype=np.int64))).any()
 
 
 def test_two_parts_that_overlap_pass_through_each_other_where_they_meet():

@@ -1,15 +1,15 @@
-"""Folds are laid flat, and nothing else is touched."""
+"""Folds are laid flat, those within a plane too, and nothing else is touched."""
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from trimesh.creation import box, icosphere
 
 from weingarten.mesh import Mesh
 from weingarten.metrics.self_intersections import self_intersecting
-from weingarten.surface.folds import still_folded, unfolded
+from weingarten.surface.folds import face_pairs, still_crossing, turned_back, unfolded
 
 
 def mesh_of(shape):
@@ -39,6 +39,19 @@ def shoved(mesh, chosen, by):
     return Mesh(vertices, mesh.faces)
 
 
+def folds(mesh):
+    return self_intersecting(mesh) | turned_back(mesh, face_pairs(mesh))
+
+
+def shoved_within(mesh, vertex, by):
+    """A vertex moved within the plane of its face, by so many times the way to a neighbour there."""
+    vertices = mesh.vertices.copy()
+    around = np.unique(mesh.faces[(mesh.faces == vertex).any(axis=1)])
+    other = around[(around != vertex) & (vertices[around, 2] == vertices[vertex, 2])][0]
+    vertices[vertex] += by * (vertices[other] - vertices[vertex])
+    return Mesh(vertices, mesh.faces)
+
+
 def test_a_mesh_without_folds_is_handed_back_as_it_is():
     for mesh in (fine_box(), mesh_of(icosphere(3))):
         assert unfolded(mesh, edge_of(mesh)) is mesh
@@ -57,11 +70,51 @@ def test_vertices_past_their_neighbours_are_brought_back(chosen, by, turn, scale
     ball = Mesh(scale * ball.vertices @ rotation.T + 7.0 * scale, ball.faces)
     folded = shoved(ball, sorted(chosen), by)
     found = unfolded(folded, edge_of(folded))
-    before, after = self_intersecting(folded).sum(), self_intersecting(found).sum()
-    assert after == 0 if before else found is folded
+    assert not folds(found).any()
+    assert (found is folded) == (not folds(folded).any())
     np.testing.assert_array_equal(found.faces, folded.faces)
     moved = np.linalg.norm(found.vertices - folded.vertices, axis=1)
     assert moved.max() < 1.0001 * edge_of(folded)
+
+
+@settings(max_examples=25)
+@given(
+    place=st.sampled_from([(0.25, 0.25), (0.0, 0.125), (-0.3125, 0.0625)]),
+    by=st.floats(1.2, 1.9),
+    turn=st.floats(0.0, 3.0),
+)
+def test_faces_upon_each_other_in_one_plane_are_parted_before_rounding_crosses_them(place, by, turn):
+    flat = fine_box()
+    vertex = int(np.argmin(np.linalg.norm(flat.vertices - [*place, 0.5], axis=1)))
+    folded = shoved_within(flat, vertex, by)
+    assert not self_intersecting(folded).any()
+    assert turned_back(folded, face_pairs(folded)).any()
+    found = unfolded(folded, edge_of(folded))
+    np.testing.assert_array_equal(found.vertices[:, 2], folded.vertices[:, 2])
+    assume(found.areas.min() > 1e-4 * folded.areas.max())
+    turned = found.vertices @ Rotation.from_rotvec([turn, 0.5, -turn]).as_matrix().T
+    for rounded in (turned, turned.astype(np.float32).astype(np.float64)):
+        assert not self_intersecting(Mesh(rounded, found.faces)).any()
+
+
+def test_what_is_called_folded_in_a_plane_does_cross_once_it_is_rounded():
+    flat, turn = fine_box(), Rotation.from_rotvec([0.7, 0.5, -0.7]).as_matrix()
+    crossing = 0
+    for vertex in np.flatnonzero(flat.vertices[:, 2] == 0.5)[::17]:
+        folded = shoved_within(flat, int(vertex), 1.6).vertices @ turn.T
+        crossing += self_intersecting(Mesh(folded.astype(np.float32).astype(np.float64), flat.faces)).any()
+    assert crossing > 0
+
+
+def test_an_edge_of_three_degrees_stays_as_sharp():
+    blade = fine_box()
+    wide, thick = blade.vertices[:, 0] + 0.5, blade.vertices[:, 2]
+    blade = Mesh(
+        np.stack([wide, blade.vertices[:, 1], thick * wide * 2.0 * np.tan(np.radians(1.5))], axis=1),
+        blade.faces,
+    )
+    blade = Mesh(blade.vertices, blade.faces[blade.areas > 1e-12])
+    assert unfolded(blade, edge_of(blade)) is blade
 
 
 def test_a_fold_far_away_moves_nothing_here():
@@ -93,7 +146,7 @@ def test_looking_near_what_moved_finds_what_looking_everywhere_finds(by):
     folded = shoved(mesh, chosen, by)
     everywhere = self_intersecting(folded)
     assert everywhere.any()
-    np.testing.assert_array_equal(still_folded(folded, chosen), everywhere)
+    np.testing.assert_array_equal(still_crossing(folded, chosen), everywhere)
 
 
 def test_confidence_stays_with_its_vertices():

@@ -7,7 +7,7 @@ from jaxtyping import Float64, Int64
 from weingarten.io.coincident import coincident
 from weingarten.mesh import Mesh
 from weingarten.metrics.normals import face_normals
-from weingarten.metrics.topology import half_edge_pairs
+from weingarten.metrics.topology import edge_keys, half_edge_pairs
 from weingarten.scan.sampling import Points, Seed, generator
 
 SHARP = float(np.radians(30.0))
@@ -25,15 +25,14 @@ def sharp_edges(mesh: Mesh, angle: float = SHARP) -> Edges:
     solid = Mesh(mesh.vertices, mesh.faces[mesh.areas > 0])
     first, same = coincident(solid.vertices)
     faces, normals = same[solid.faces], face_normals(solid)
-    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
-    keys = np.minimum(start, end) * len(first) + np.maximum(start, end)
-    unique, edge, uses = np.unique(keys, return_inverse=True, return_counts=True)
+    keys = edge_keys(faces)
+    _, at, edge, uses = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
     edge = edge.reshape(-1)
     one, other = half_edge_pairs(edge)
     turned = np.einsum("ni,ni->n", normals[one // 3], normals[other // 3]) <= np.cos(angle)
     sharp = uses != 2
     sharp[edge[one[turned]]] = True
-    ends = np.stack(np.divmod(unique[sharp], max(1, len(first))), axis=1)
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)[at[sharp]], axis=1)
     return solid.vertices[first][ends]
 
 

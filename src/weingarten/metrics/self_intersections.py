@@ -5,8 +5,9 @@ Two faces pass through each other when an edge of the one crosses the inside of 
     [p a b c] [q a b c] < 0   and   [p q a b], [p q b c], [p q c a] of one sign,
 
 with [p a b c] = (a − p) · ((b − p) × (c − p)), for an edge pq and a face abc. Faces that only touch do not,
-nor do faces in one plane. Of faces with a common corner the edges opposite to it are asked; those with a
-common edge are left out. Pairs are found in a grid: each cell lists the faces whose boxes reach into it.
+nor do faces in one plane: a volume whose sign may be rounding's is none. Of faces with a common corner the
+edges opposite to it are asked; those with a common edge are left out. Pairs are found in a grid: each cell
+lists the faces whose boxes reach into it.
 """
 
 import numpy as np
@@ -31,8 +32,7 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     found = np.zeros(len(mesh.faces), dtype=bool)
     if len(found) < 2:
         return found
-    corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.faces]
-    first, second, third = corners.transpose(1, 0, 2)
+    first, second, third = (mesh.corners - mesh.vertices.min(axis=0)).transpose(1, 0, 2)
     lowest = np.minimum(np.minimum(first, second), third)
     highest = np.maximum(np.maximum(first, second), third)
     extent = (highest - lowest).max(axis=1)
@@ -48,5 +48,5 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     side = int(end.max()) + 1
     keys, owners = reached(begin, end, side, entries)
     order = np.argsort(keys, kind="stable")
-    mark(corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
+    mark(mesh.corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
     return found

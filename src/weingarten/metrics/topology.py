@@ -44,11 +44,9 @@ def topology(mesh: Mesh) -> Topology:
     """The topology of a mesh in any frame."""
     faces = merged_faces(mesh)
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
-    count = int(faces.max(initial=0)) + 1
-    undirected = np.minimum(start, end) * count + np.maximum(start, end)
-    _, edge, uses = np.unique(undirected, return_inverse=True, return_counts=True)
+    _, edge, uses = np.unique(edge_keys(faces), return_inverse=True, return_counts=True)
     watertight = bool(len(faces)) and bool((uses == 2).all())
-    directed = np.sort(start * count + end)
+    directed = np.sort(start * (int(faces.max(initial=0)) + 1) + end)
     oriented = not (directed[1:] == directed[:-1]).any()
     first, second = half_edge_pairs(edge.reshape(-1))
     components = _parts(len(faces), first // 3, second // 3)[0]
@@ -74,8 +72,17 @@ def merged_faces(mesh: Mesh) -> Faces:
     return faces[(a != b) & (b != c) & (c != a)]
 
 
+def edge_keys(faces: Faces) -> Int64[np.ndarray, " h"]:
+    """A number for every half-edge, the same for all on one edge.
+
+    Half-edge 3 f + k runs from corner k of face f to the next.
+    """
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    return np.minimum(start, end) * (int(faces.max(initial=0)) + 1) + np.maximum(start, end)
+
+
 def half_edge_pairs(edge: Int64[np.ndarray, " h"]) -> tuple[Int64[np.ndarray, " p"], Int64[np.ndarray, " p"]]:
-    """Pairs of half-edges on the same edge; half-edge 3 f + k runs from corner k of face f to the next.
+    """Pairs of half-edges with the same key, or number, of their edge.
 
     An edge used by m faces gives m − 1 pairs, which chain all of them.
     """

@@ -5,7 +5,7 @@ from jaxtyping import Float64
 
 from weingarten.mesh import Mesh
 from weingarten.metrics.normals import face_normals
-from weingarten.metrics.topology import corner_fans, half_edge_pairs
+from weingarten.metrics.topology import corner_fans, edge_keys, half_edge_pairs
 
 Directions = Float64[np.ndarray, "*any 3"]
 Lights = tuple[tuple[tuple[float, float, float], float], ...]
@@ -31,9 +31,7 @@ def corner_normals(mesh: Mesh) -> Float64[np.ndarray, "f 3 3"]:
     part stays sharp. Vertices must be shared by neighbours, as in every mesh that this package extracts.
     """
     faces, flat = mesh.faces, face_normals(mesh)
-    directed = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    key = directed[:, 0] * (int(faces.max(initial=0)) + 1) + directed[:, 1]
-    first, second = half_edge_pairs(key)
+    first, second = half_edge_pairs(edge_keys(faces))
     smooth = np.einsum("pi,pi->p", flat[first // 3], flat[second // 3]) > CREASE
     fans = corner_fans(faces, first[smooth], second[smooth]).reshape(-1)
     weighted = (flat[:, None, :] * _angles(mesh)[:, :, None]).reshape(-1, 3)

@@ -1,9 +1,12 @@
-"""Faces that pass through others are laid flat: the folds that vertices on sharp edges leave behind.
+"""Folds are laid flat: faces that pass through others, or lie back upon their neighbours.
 
-A vertex that was put onto an edge may come to lie beyond its neighbours. Those of faces that pass through
-others go half way to the mean of their neighbours, v ← ½ (v + mean), until no face does: one to three rounds
-where the surface is sound. None goes farther than it is allowed to, so parts that truly pass through each
-other keep their shapes.
+A vertex that was put onto an edge may come to lie beyond its neighbours, and a bulge that was put onto a flat
+face may lie there twice. Of two faces that lie upon each other in one plane neither passes through the other,
+until rounding lifts them apart. So a face is folded that passes through another where positions are rounded
+to single precision, as files have them, or whose normal is opposite to that of a face across one of its
+edges, n · n′ < BACK. Vertices of folded faces go half way to the mean of their neighbours, v ← ½ (v + mean),
+until none is left: one to three rounds where the surface is sound. None goes farther than it is allowed to,
+so parts that truly pass through each other keep their shapes.
 """
 
 import numpy as np
@@ -12,33 +15,59 @@ from scipy.sparse import csr_array
 from scipy.spatial import KDTree
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.normals import face_normals
 from weingarten.metrics.self_intersections import self_intersecting
+from weingarten.metrics.topology import edge_keys, half_edge_pairs
+
+BACK = -0.999
+"""Cosine of the turn at an edge, to within two and a half degrees of a half turn."""
+
+Pairs = tuple[Int64[np.ndarray, " p"], Int64[np.ndarray, " p"]]
 
 ROUNDS = 12
 """At most."""
 
 
 def unfolded(mesh: Mesh, most: float) -> Mesh:
-    """The same faces, of which none pass through others, or as few as were found, in any frame.
+    """The same faces, of which none are folded, or as few as were found, in a frame near the origin.
 
-    most: how far a vertex may be moved. The mesh itself is returned where none do, or no fewer.
+    most: how far a vertex may be moved. The mesh itself is returned where none are, or no fewer.
     """
-    folded = self_intersecting(mesh)
-    least, best = int(folded.sum()), mesh.vertices
-    if least == 0:
-        return mesh
-    beside, vertices = neighbours(mesh), mesh.vertices.copy()
+    across, beside = face_pairs(mesh), neighbours(mesh)
+    folded = self_intersecting(rounded(mesh)) | turned_back(mesh, across)
+    vertices, best, least = mesh.vertices.copy(), mesh, int(folded.sum())
     for _ in range(ROUNDS):
+        if not folded.any():
+            break
         moved = np.unique(mesh.faces[folded])
         way = 0.5 * (vertices[moved] + beside[moved] @ vertices) - mesh.vertices[moved]
         length = np.linalg.norm(way, axis=1, keepdims=True)
         vertices[moved] = mesh.vertices[moved] + way * np.minimum(1.0, most / np.maximum(length, 1e-300))
-        folded = still_folded(Mesh(vertices, mesh.faces), moved)
+        found = Mesh(vertices, mesh.faces, mesh.confidence)
+        folded = still_crossing(rounded(found), moved) | turned_back(found, across)
         if folded.sum() < least:
-            least, best = int(folded.sum()), vertices.copy()
-        if least == 0:
-            break
-    return mesh if best is mesh.vertices else Mesh(best, mesh.faces, mesh.confidence)
+            least, best = int(folded.sum()), Mesh(vertices.copy(), mesh.faces, mesh.confidence)
+    return best
+
+
+def rounded(mesh: Mesh) -> Mesh:
+    """The mesh with positions of single precision."""
+    return Mesh(mesh.vertices.astype(np.float32).astype(np.float64), mesh.faces)
+
+
+def face_pairs(mesh: Mesh) -> Pairs:
+    """Faces that have an edge in common."""
+    one, other = half_edge_pairs(edge_keys(mesh.faces))
+    return one // 3, other // 3
+
+
+def turned_back(mesh: Mesh, across: Pairs) -> Bool[np.ndarray, " f"]:
+    """Which faces lie back upon one that they have an edge in common with."""
+    normals, (one, other) = face_normals(mesh), across
+    opposite = np.einsum("ni,ni->n", normals[one], normals[other]) < BACK
+    found = np.zeros(len(mesh.faces), dtype=bool)
+    found[one[opposite]] = found[other[opposite]] = True
+    return found
 
 
 def neighbours(mesh: Mesh) -> csr_array:
@@ -49,7 +78,7 @@ def neighbours(mesh: Mesh) -> csr_array:
     return csr_array((1.0 / number[start], (start, end)), shape=size)
 
 
-def still_folded(mesh: Mesh, moved: Int64[np.ndarray, " m"]) -> Bool[np.ndarray, " f"]:
+def still_crossing(mesh: Mesh, moved: Int64[np.ndarray, " m"]) -> Bool[np.ndarray, " f"]:
     """Which faces pass through others, if none did that have no vertex of those that moved.
 
     Only faces near one that has are looked at: two that meet are no farther apart, middle to middle, than
