@@ -9,7 +9,7 @@ from trimesh.creation import box, icosphere
 
 from weingarten.mesh import Mesh
 from weingarten.metrics.self_intersections import self_intersecting
-from weingarten.surface.folds import face_pairs, still_crossing, turned_back, unfolded
+from weingarten.surface.folds import face_pairs, rounded, still_crossing, turned_back, unfolded
 
 
 def mesh_of(shape):
@@ -40,7 +40,7 @@ def shoved(mesh, chosen, by):
 
 
 def folds(mesh):
-    return self_intersecting(mesh) | turned_back(mesh, face_pairs(mesh))
+    return self_intersecting(rounded(mesh)) | turned_back(mesh, face_pairs(mesh))
 
 
 def shoved_within(mesh, vertex, by):
@@ -93,8 +93,8 @@ def test_faces_upon_each_other_in_one_plane_are_parted_before_rounding_crosses_t
     np.testing.assert_array_equal(found.vertices[:, 2], folded.vertices[:, 2])
     assume(found.areas.min() > 1e-4 * folded.areas.max())
     turned = found.vertices @ Rotation.from_rotvec([turn, 0.5, -turn]).as_matrix().T
-    for rounded in (turned, turned.astype(np.float32).astype(np.float64)):
-        assert not self_intersecting(Mesh(rounded, found.faces)).any()
+    for positions in (turned, turned.astype(np.float32).astype(np.float64)):
+        assert not self_intersecting(Mesh(positions, found.faces)).any()
 
 
 def test_what_is_called_folded_in_a_plane_does_cross_once_it_is_rounded():
