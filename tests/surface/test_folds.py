@@ -71,6 +71,7 @@ def test_vertices_past_their_neighbours_are_brought_back(chosen, by, turn, scale
     folded = shoved(ball, sorted(chosen), by)
     found = unfolded(folded, edge_of(folded))
     assert not folds(found).any()
+    assert not self_intersecting(found).any()
     assert (found is folded) == (not folds(folded).any())
     np.testing.assert_array_equal(found.faces, folded.faces)
     moved = np.linalg.norm(found.vertices - folded.vertices, axis=1)
@@ -92,17 +93,17 @@ def test_faces_upon_each_other_in_one_plane_are_parted_before_rounding_crosses_t
     found = unfolded(folded, edge_of(folded))
     np.testing.assert_array_equal(found.vertices[:, 2], folded.vertices[:, 2])
     assume(found.areas.min() > 1e-4 * folded.areas.max())
-    turned = found.vertices @ Rotation.from_rotvec([turn, 0.5, -turn]).as_matrix().T
-    for positions in (turned, turned.astype(np.float32).astype(np.float64)):
-        assert not self_intersecting(Mesh(positions, found.faces)).any()
+    turned = Mesh(found.vertices @ Rotation.from_rotvec([turn, 0.5, -turn]).as_matrix().T, found.faces)
+    for mesh in (turned, rounded(turned)):
+        assert not self_intersecting(mesh).any()
 
 
 def test_what_is_called_folded_in_a_plane_does_cross_once_it_is_rounded():
     flat, turn = fine_box(), Rotation.from_rotvec([0.7, 0.5, -0.7]).as_matrix()
     crossing = 0
     for vertex in np.flatnonzero(flat.vertices[:, 2] == 0.5)[::17]:
-        folded = shoved_within(flat, int(vertex), 1.6).vertices @ turn.T
-        crossing += self_intersecting(Mesh(folded.astype(np.float32).astype(np.float64), flat.faces)).any()
+        folded = Mesh(shoved_within(flat, int(vertex), 1.6).vertices @ turn.T, flat.faces)
+        crossing += self_intersecting(rounded(folded)).any()
     assert crossing > 0
 
 

@@ -7,7 +7,7 @@ from jaxtyping import Float64, Int64
 from weingarten.io.coincident import coincident
 from weingarten.mesh import Mesh
 from weingarten.metrics.normals import face_normals
-from weingarten.metrics.topology import edge_keys, half_edge_pairs
+from weingarten.metrics.topology import edge_ends, edge_keys, half_edge_pairs
 from weingarten.scan.sampling import Points, Seed, generator
 
 SHARP = float(np.radians(30.0))
@@ -32,8 +32,7 @@ def sharp_edges(mesh: Mesh, angle: float = SHARP) -> Edges:
     turned = np.einsum("ni,ni->n", normals[one // 3], normals[other // 3]) <= np.cos(angle)
     sharp = uses != 2
     sharp[edge[one[turned]]] = True
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)[at[sharp]], axis=1)
-    return solid.vertices[first][ends]
+    return solid.vertices[first][edge_ends(faces, at[sharp])]
 
 
 def lengths(edges: Edges) -> Float64[np.ndarray, " e"]:

@@ -32,7 +32,8 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     found = np.zeros(len(mesh.faces), dtype=bool)
     if len(found) < 2:
         return found
-    first, second, third = (mesh.corners - mesh.vertices.min(axis=0)).transpose(1, 0, 2)
+    corners = mesh.corners
+    first, second, third = (corners - mesh.vertices.min(axis=0)).transpose(1, 0, 2)
     lowest = np.minimum(np.minimum(first, second), third)
     highest = np.maximum(np.maximum(first, second), third)
     extent = (highest - lowest).max(axis=1)
@@ -48,5 +49,5 @@ def self_intersecting(mesh: Mesh) -> Bool[np.ndarray, " f"]:
     side = int(end.max()) + 1
     keys, owners = reached(begin, end, side, entries)
     order = np.argsort(keys, kind="stable")
-    mark(mesh.corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
+    mark(corners, mesh.faces, lowest, highest, keys[order], owners[order], side, cell, found)
     return found

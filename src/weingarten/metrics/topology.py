@@ -81,6 +81,12 @@ def edge_keys(faces: Faces) -> Int64[np.ndarray, " h"]:
     return np.minimum(start, end) * (int(faces.max(initial=0)) + 1) + np.maximum(start, end)
 
 
+def edge_ends(faces: Faces, half: Int64[np.ndarray, " e"]) -> Int64[np.ndarray, "e 2"]:
+    """The vertices at the ends of these half-edges, the lower number first."""
+    start, end = faces.reshape(-1)[half], np.roll(faces, -1, axis=1).reshape(-1)[half]
+    return np.stack([np.minimum(start, end), np.maximum(start, end)], axis=1)
+
+
 def half_edge_pairs(edge: Int64[np.ndarray, " h"]) -> tuple[Int64[np.ndarray, " p"], Int64[np.ndarray, " p"]]:
     """Pairs of half-edges with the same key, or number, of their edge.
 

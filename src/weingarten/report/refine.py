@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from weingarten.mesh import Mesh
+from weingarten.metrics.topology import edge_ends, edge_keys
 
 Points = Float64[np.ndarray, "_ 3"]
 Levels = Float64[np.ndarray, "_ k"]
@@ -111,10 +112,8 @@ def examined(
 
 def edges_of(mesh: Mesh) -> tuple[Int64[np.ndarray, "e 2"], Int64[np.ndarray, "f 3"]]:
     """The ends of every edge, and of every face the edges from each of its corners to the next."""
-    ends = np.sort(np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=-1), axis=-1).reshape(-1, 2)
-    count = len(mesh.vertices)
-    keys, which = np.unique(ends[:, 0] * count + ends[:, 1], return_inverse=True)
-    return np.stack([keys // count, keys % count], axis=1), which.reshape(-1, 3)
+    _, at, which = np.unique(edge_keys(mesh.faces), return_index=True, return_inverse=True)
+    return edge_ends(mesh.faces, at), which.reshape(-1, 3)
 
 
 def worst(values: Float64[np.ndarray, " e"], most: int) -> Bool[np.ndarray, " e"]:

@@ -22,10 +22,10 @@ from weingarten.metrics.topology import edge_keys, half_edge_pairs
 BACK = -0.999
 """Cosine of the turn at an edge, to within two and a half degrees of a half turn."""
 
-Pairs = tuple[Int64[np.ndarray, " p"], Int64[np.ndarray, " p"]]
-
 ROUNDS = 12
 """At most."""
+
+Pairs = tuple[Int64[np.ndarray, " p"], Int64[np.ndarray, " p"]]
 
 
 def unfolded(mesh: Mesh, most: float) -> Mesh:
@@ -33,12 +33,13 @@ def unfolded(mesh: Mesh, most: float) -> Mesh:
 
     most: how far a vertex may be moved. The mesh itself is returned where none are, or no fewer.
     """
-    across, beside = face_pairs(mesh), neighbours(mesh)
+    across = face_pairs(mesh)
     folded = self_intersecting(rounded(mesh)) | turned_back(mesh, across)
-    vertices, best, least = mesh.vertices.copy(), mesh, int(folded.sum())
+    if not folded.any():
+        return mesh
+    beside, vertices = neighbours(mesh), mesh.vertices.copy()
+    best, least = mesh, int(folded.sum())
     for _ in range(ROUNDS):
-        if not folded.any():
-            break
         moved = np.unique(mesh.faces[folded])
         way = 0.5 * (vertices[moved] + beside[moved] @ vertices) - mesh.vertices[moved]
         length = np.linalg.norm(way, axis=1, keepdims=True)
@@ -47,6 +48,8 @@ def unfolded(mesh: Mesh, most: float) -> Mesh:
         folded = still_crossing(rounded(found), moved) | turned_back(found, across)
         if folded.sum() < least:
             least, best = int(folded.sum()), Mesh(vertices.copy(), mesh.faces, mesh.confidence)
+        if least == 0:
+            break
     return best
 
 
