@@ -19,34 +19,59 @@ TABLE = Table(
 )
 BEFORE = """# A document
 
-| | CD | topology | step | MiB |
+| method | CD | topology | step | MiB |
 |---|---:|---:|---:|---:|
 | `a` | 9 | 9 of 9 | 1.00 | 515 |
 | `b` | 9 | 9 of 9 | 0.99 | 517 |
 
 Words of `a`.
 
+| method | steps | topology | time | topology | step | MiB |
+|---|---:|---:|---:|---:|---:|---:|
 | `a` | 9 | 9 of 9 | 9 | 9 of 9 | 2.0 | 600 |
 
+| other | CD |
+|---|---:|
+| `a` | 9 |
+
+| `a` | 9 | of no table | 1 | 2 |
+
+| method | CD | of | 1 | 2 |
+|---|---:|---:|---:|---:|
 | `a` | 9 | of another table | 1 | 2 |
 | `c` | 9 | of another table | 1 | 2 |
 """
 AFTER = """# A document
 
-| | CD | topology | step | MiB |
+| method | CD | topology | step | MiB |
 |---|---:|---:|---:|---:|
 | `b` | 0.1 | 5 of 5 | 0.99 | 517 |
 | `a` | 0.3 | 3 of 5 | 1.00 | 515 |
 
 Words of `a`.
 
+| method | steps | topology | time | topology | step | MiB |
+|---|---:|---:|---:|---:|---:|---:|
 | `a` | 0.3 | 3 of 5 | 0.4 | 2 of 5 | 2.0 | 600 |
 
+| other | CD |
+|---|---:|
+| `a` | 9 |
+
+| `a` | 9 | of no table | 1 | 2 |
+
+| method | CD | of | 1 | 2 |
+|---|---:|---:|---:|---:|
 | `a` | 9 | of another table | 1 | 2 |
 | `c` | 9 | of another table | 1 | 2 |
 """
 
 
 def test_rows_are_filled_and_ordered_and_all_else_stays():
-    assert renewed(BEFORE, TABLE) == AFTER
-    assert renewed(AFTER, TABLE) == AFTER
+    assert renewed(BEFORE, "method", TABLE, last=2) == AFTER
+    assert renewed(AFTER, "method", TABLE, last=2) == AFTER
+
+
+def test_all_figures_of_a_row_may_come_from_the_benchmark():
+    before = "| other | CD | topology |\n|---|---|---|\n| `a` | 9 | 9 of 9 |\n"
+    assert renewed(before, "other", TABLE, last=0).endswith("| `a` | 0.3 | 3 of 5 |\n")
