@@ -17,7 +17,18 @@ TABLE = Table(
         for row in (("b", "0.1", "5 of 5", "0.2", "4 of 5"), ("a", "0.3", "3 of 5", "0.4", "2 of 5"))
     ),
 )
-BEFORE = """# A document
+STAYS = """| other | CD |
+|---|---:|
+| `a` | 9 |
+
+| `a` | 9 | of no table | 1 | 2 |
+
+| method | CD | of | 1 | 2 |
+|---|---:|---:|---:|---:|
+| `a` | 9 | of another table | 1 | 2 |
+| `c` | 9 | of another table | 1 | 2 |
+"""
+BEFORE = f"""# A document
 
 | method | CD | topology | step | MiB |
 |---|---:|---:|---:|---:|
@@ -30,18 +41,8 @@ Words of `a`.
 |---|---:|---:|---:|---:|---:|---:|
 | `a` | 9 | 9 of 9 | 9 | 9 of 9 | 2.0 | 600 |
 
-| other | CD |
-|---|---:|
-| `a` | 9 |
-
-| `a` | 9 | of no table | 1 | 2 |
-
-| method | CD | of | 1 | 2 |
-|---|---:|---:|---:|---:|
-| `a` | 9 | of another table | 1 | 2 |
-| `c` | 9 | of another table | 1 | 2 |
-"""
-AFTER = """# A document
+{STAYS}"""
+AFTER = f"""# A document
 
 | method | CD | topology | step | MiB |
 |---|---:|---:|---:|---:|
@@ -54,17 +55,7 @@ Words of `a`.
 |---|---:|---:|---:|---:|---:|---:|
 | `a` | 0.3 | 3 of 5 | 0.4 | 2 of 5 | 2.0 | 600 |
 
-| other | CD |
-|---|---:|
-| `a` | 9 |
-
-| `a` | 9 | of no table | 1 | 2 |
-
-| method | CD | of | 1 | 2 |
-|---|---:|---:|---:|---:|
-| `a` | 9 | of another table | 1 | 2 |
-| `c` | 9 | of another table | 1 | 2 |
-"""
+{STAYS}"""
 
 
 def test_rows_are_filled_and_ordered_and_all_else_stays():
