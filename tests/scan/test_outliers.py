@@ -72,3 +72,11 @@ def test_a_cloud_of_outliers_holds_no_part():
     cleaned = AS_SCANNED.__class__(lambda points, seed: np.ones(len(points), dtype=bool), AS_SCANNED.settle)
     with pytest.raises(CloudError, match="belong to no surface"):
         cleaned.cleaned(sample_part("block", 200, 0), 0)
+
+
+def test_strays_beside_a_plane_do_not_make_it_a_part():
+    generator = np.random.default_rng(0)
+    plane = np.hstack([generator.random((3000, 2)), np.zeros((3000, 1))])
+    strays = np.array([[0.2, 0.3, 0.9], [0.7, 0.1, 0.8], [0.4, 0.9, -0.7], [0.9, 0.6, 0.95]])
+    with pytest.raises(CloudError, match="points that are no outliers lie in one plane"):
+        AS_SCANNED.cleaned(np.vstack([plane, strays]), 0)

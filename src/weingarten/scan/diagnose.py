@@ -48,7 +48,7 @@ def diagnose(points: Float64[np.ndarray, "..."]) -> Diagnosis:
     if len(first) < given:
         notes += (f"{given - len(first)} of {given} points repeat another exactly; merged.",)
         points = points[first]
-    _check_spread(points, given)
+    check_spread(points, given)
     return Diagnosis(points, notes)
 
 
@@ -65,8 +65,11 @@ def _finite(points: Points) -> tuple[Float64[np.ndarray, "m 3"], tuple[str, ...]
     return points[finite], (f"{dropped} of {len(points)} points are not finite; dropped.",)
 
 
-def _check_spread(points: Points, given: int) -> None:
-    """Raise CloudError unless the distinct ones of the `given` points are enough and fill space."""
+def check_spread(points: Points, given: int, which: str = "points") -> None:
+    """Raise CloudError unless the distinct ones of the `given` points are enough and fill space.
+
+    which: what the error calls them.
+    """
     n = len(points)
     if n == 1 and given > 1:
         raise CloudError(f"All {given} points are identical; check the columns and the export of the scan.")
@@ -74,10 +77,10 @@ def _check_spread(points: Points, given: int) -> None:
         raise CloudError(f"The cloud has {n} distinct points; give at least {LEAST_POINTS}.")
     dimensions = _dimensions(points)
     if dimensions == 0:
-        raise CloudError(f"All {n} points are identical up to rounding; check the scan's unit and offset.")
+        raise CloudError(f"All {n} {which} are identical up to rounding; check the scan's unit and offset.")
     if dimensions < 3:
         shape = "on one line" if dimensions == 1 else "in one plane"
-        raise CloudError(f"All {n} points lie {shape}; a part needs points on all of its sides.")
+        raise CloudError(f"All {n} {which} lie {shape}; a part needs points on all of its sides.")
 
 
 def _dimensions(points: Points) -> int:

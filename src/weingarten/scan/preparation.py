@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float64
 from scipy.spatial import KDTree
 
 from weingarten.errors import CloudError
-from weingarten.scan.diagnose import LEAST_POINTS
+from weingarten.scan.diagnose import LEAST_POINTS, check_spread
 from weingarten.scan.noise import Noise, noise_of
 from weingarten.scan.outliers import outliers
 from weingarten.scan.settled import Settled, settled
@@ -39,7 +39,10 @@ class Preparation:
     settle: Callable[[Points], Settled]
 
     def cleaned(self, points: Points, seed: int) -> tuple[Float64[np.ndarray, "m 3"], tuple[str, ...]]:
-        """The points that are no outliers, and a note if some are. Raises CloudError where few are left."""
+        """The points that are no outliers, and a note if some are.
+
+        Raises CloudError where few or flat ones are left.
+        """
         found = self.outliers(points, seed)
         count = int(np.count_nonzero(found))
         if not count:
@@ -48,6 +51,7 @@ class Preparation:
             raise CloudError(
                 f"{count} of {len(points)} points belong to no surface; scan the part more densely."
             )
+        check_spread(points[~found], len(points) - count, "points that are no outliers")
         said = f"{count:,} of {len(points):,} points ({100.0 * count / len(points):.2g} %)"
         said = f"Left out as outliers, which belong to no surface: {said}."
         return points[~found], (said,)
