@@ -349,3 +349,9 @@ def test_mutated_files_read_or_raise_input_error(tmp_path_factory, label, edits,
     else:
         assert points.dtype == np.float64
         assert points.shape == (len(points), 3)
+
+
+def test_a_comment_with_bytes_that_break_lines_elsewhere_costs_no_point(tmp_path):
+    path = tmp_path / "scan.xyz"
+    path.write_bytes("# in Ångström\n1 2 3\n4 5 6\n7 8 9\n".encode())
+    np.testing.assert_array_equal(read_points(path), [[1, 2, 3], [4, 5, 6], [7, 8, 9]])

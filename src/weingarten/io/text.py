@@ -23,7 +23,8 @@ def read_text(path: Path) -> Points:
     if b"\0" in head:
         raise ValueError("it holds binary data instead of text")
     encoding = "utf-8-sig" if head.startswith(b"\xef\xbb\xbf") else "latin-1"
-    lines = head.decode(encoding, errors="replace").splitlines()
+    text = head.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    lines = text.removesuffix("\n").split("\n")
     skipped, delimiter, columns, decimal_comma = _layout(lines)
     if decimal_comma:
         with path.open(encoding=encoding) as stream:
