@@ -6,6 +6,7 @@ first. With semicolons a comma inside a field is a decimal comma.
 
 import re
 from collections.abc import Iterable
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +24,7 @@ def read_text(path: Path) -> Points:
     if b"\0" in head:
         raise ValueError("it holds binary data instead of text")
     encoding = "utf-8-sig" if head.startswith(b"\xef\xbb\xbf") else "latin-1"
-    text = head.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-    lines = text.removesuffix("\n").split("\n")
+    lines = list(StringIO(head.decode(encoding, errors="replace"), newline=None))
     skipped, delimiter, columns, decimal_comma = _layout(lines)
     if decimal_comma:
         with path.open(encoding=encoding) as stream:
